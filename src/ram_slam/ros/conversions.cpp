@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/ros/conversions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace ram_slam_ros {
+namespace {
+
+constexpr double kUnknownVariance = 1e6;
+constexpr double kQuaternionTolerance = 1e-3;
+constexpr std::size_t kMaxFeatures = 1000;
+constexpr std::size_t kMaxClassifierLength = 4096;
+constexpr double kSymmetryTolerance = 1e-6;
+
+ram_slam::Pose2 toPose2(double x, double y, const geometry_msgs::Quaternion& q) {
+  const double norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
+  if (!std::isfinite(x) || !std::isfinite(y) || !(std::abs(norm - 1.0) <= kQuaternionTolerance)) {
+    throw std::invalid_argument("pose is not finite or its quaternion (norm " + std::to_string(norm) +
+                                ") is not a rotation");
+  }
+  return {x, y, std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
+}
+
+geometry_msgs::Quaternion toQuaternion(double yaw_rad) {
+  geometry_msgs::Quaternion q;
+  q.z = std::sin(yaw_rad / 2.0);
+  q.w = std::cos(yaw_rad / 2.0);
+  return q;
+}
+
+}  // namespace
+
+std::int64_t toNanoseconds(const ros::Time& time) {
+  return static_cast<std::int64_t>(time.sec) * 1000000000 + static_cast<std::int64_t>(time.nsec);
+}
+
+ros::Time toTime(std::int64_t stamp_ns) {
+  ros::Time time;
+  if (stamp_ns > 0) time.fromNSec(static_cast<std::uint64_t>(stamp_ns));
+  return time;
+}
+
+ram_slam::Pose2 toPose2(const geometry_msgs::Pose& message) {
+  return toPose2(message.position.x, message.position.y, message.orientation);
+}
+
+ram_slam::Pose2 toPose2(const geometry_msgs::Transform& message) {
+  return toPose2(message.translation.x, message.translation.y, message.rotation);
+}
+
+geometry_msgs::Pose toPoseMessage(const ram_slam::Pose2& pose) {
+  geometry_msgs::Pose message;
+  message.position.x = pose.x_m;
+  message.position.y = pose.y_m;
+  message.orientation = toQuaternion(pose.yaw_rad);
+  return message;
+}
+
+geometry_msgs::Transform toTransformMessage(const ram_slam::Pose2& pose) {
+  geometry_msgs::Transform message;
+  message.translation.x = pose.x_m;
+  message.translation.y = pose.y_m;
+  message.rotation = toQuaternion(pose.yaw_rad);
+  return message;
+}
+
+ram_slam::PoseWithCovariance2 toPoseWithCovariance2(const geometry_msgs::PoseWithCovariance& message) {
+  constexpr int kPlanar[] = {0, 1, 5};
+  ram_slam::PoseWithCovariance2 pose;
+  pose.pose = toPose2(message.pose);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      pose.covariance(row, column) = message.covariance[6 * kPlanar[row] + kPlanar[column]];
+    }
+  }
+  if (!pose.covariance.allFinite()) throw std::invalid_argument("pose covariance is not finite");
+  return pose;
+}
+
+geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(const ram_slam::PoseWithCovariance2& pose) {
+  constexpr int kPlanar[] = {0, 1, 5};
+  geometry_msgs::PoseWithCovariance message;
+  message.pose = toPoseMessage(pose.pose);
+  for (int i = 2; i < 5; ++i) message.covariance[7 * i] = kUnknownVariance;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      message.covariance[6 * kPlanar[row] + kPlanar[column]] = pose.covariance(row, column);
+    }
+  }
+  return message;
+}
+
+ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message) {
+  if (message.header.stamp.isZero()) throw std::invalid_argument("scan without a stamp");
+  ram_slam::LaserScan scan;
+  scan.stamp_ns = toNanoseconds(message.header.stamp);
+  scan.angle_min_rad = message.angle_min;
+  scan.angle_increment_rad = message.angle_increment;
+  const bool sweep_known = std::isfinite(message.time_increment) && message.time_increment > 0.0F &&
+                           message.time_increment < 1.0F;
+  scan.time_increment_s = sweep_known ? message.time_increment : 0.0;
+  scan.range_min_m = message.range_min;
+  scan.range_max_m = message.range_max;
+  scan.ranges_m = message.ranges;
+  scan.validate();
+  return scan;
+}
+
+ram_slam::Feature toFeature(const ram_slam_msgs::Feature& message) {
+  ram_slam::Feature feature;
+  feature.type = message.type;
+  if (message.classifier.size() <= kMaxClassifierLength) feature.classifier = message.classifier;
+  const ram_slam::PoseWithCovariance2 pose = toPoseWithCovariance2(message.pose);
+  feature.position_m = pose.pose.translation();
+  feature.covariance_m2 = pose.covariance.topLeftCorner<2, 2>();
+  feature.orientation_rad = pose.pose.yaw_rad;
+  feature.orientation_variance_rad2 = pose.covariance(2, 2);
+  const Eigen::Matrix2d& c = feature.covariance_m2;
+  if (std::abs(c(0, 1) - c(1, 0)) > kSymmetryTolerance * c.trace() || !(c(0, 0) > 0.0) ||
+      !(c.determinant() > 0.0)) {
+    throw std::invalid_argument("feature covariance is not symmetric and positive definite");
+  }
+  return feature;
+}
+
+ram_slam_msgs::Feature toFeatureMessage(const ram_slam::Feature& feature, const std_msgs::Header& header) {
+  ram_slam::PoseWithCovariance2 pose;
+  pose.pose = {feature.position_m.x(), feature.position_m.y(), feature.orientation_rad};
+  pose.covariance.topLeftCorner<2, 2>() = feature.covariance_m2;
+  pose.covariance(2, 2) = feature.orientation_variance_rad2;
+  ram_slam_msgs::Feature message;
+  message.header = header;
+  message.type = feature.type;
+  message.classifier = feature.classifier;
+  message.pose = toPoseWithCovarianceMessage(pose);
+  return message;
+}
+
+CheckedFeatures toFeatureList(const ram_slam_msgs::FeatureList& message) {
+  if (message.header.stamp.isZero()) throw std::invalid_argument("feature list without a stamp");
+  CheckedFeatures checked;
+  checked.list.stamp_ns = toNanoseconds(message.header.stamp);
+  const std::size_t taken = std::min(message.features.size(), kMaxFeatures);
+  checked.rejected_count = static_cast<int>(message.features.size() - taken);
+  for (std::size_t i = 0; i < taken; ++i) {
+    try {
+      checked.list.features.push_back(toFeature(message.features[i]));
+    } catch (const std::invalid_argument&) {
+      ++checked.rejected_count;
+    }
+  }
+  return checked;
+}
+
+ram_slam_msgs::FeatureList toFeatureListMessage(const ram_slam::FeatureList& list,
+                                                const std::string& frame_id) {
+  ram_slam_msgs::FeatureList message;
+  message.header.stamp = toTime(list.stamp_ns);
+  message.header.frame_id = frame_id;
+  for (const ram_slam::Feature& feature : list.features) {
+    message.features.push_back(toFeatureMessage(feature, message.header));
+  }
+  return message;
+}
+
+}  // namespace ram_slam_ros

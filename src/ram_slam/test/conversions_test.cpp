@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/ros/conversions.hpp"
+
+#include <limits>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace ram_slam_ros {
+namespace {
+
+ram_slam::Feature exampleFeature() {
+  ram_slam::Feature feature;
+  feature.type = "corner";
+  feature.classifier = "pg1:abc";
+  feature.position_m = {1.5, -2.25};
+  feature.covariance_m2 << 0.01, 0.002, 0.002, 0.03;
+  feature.orientation_rad = 0.5;
+  feature.orientation_variance_rad2 = 0.04;
+  return feature;
+}
+
+TEST(Conversions, TimeRoundTripIsExact) {
+  const std::int64_t stamp_ns = 1700000000123456789;
+  EXPECT_EQ(toNanoseconds(toTime(stamp_ns)), stamp_ns);
+  EXPECT_TRUE(toTime(-1).isZero());
+}
+
+TEST(Conversions, PoseRoundTrip) {
+  const ram_slam::Pose2 pose{1.0, -2.0, 3.0};
+  const ram_slam::Pose2 back = toPose2(toPoseMessage(pose));
+  EXPECT_DOUBLE_EQ(back.x_m, pose.x_m);
+  EXPECT_DOUBLE_EQ(back.y_m, pose.y_m);
+  EXPECT_NEAR(back.yaw_rad, pose.yaw_rad, 1e-15);
+}
+
+TEST(Conversions, CovarianceKeepsItsPlaces) {
+  ram_slam::PoseWithCovariance2 pose;
+  pose.covariance << 1, 2, 3, 2, 4, 5, 3, 5, 6;
+  const auto message = toPoseWithCovarianceMessage(pose);
+  EXPECT_EQ(message.covariance[0], 1.0);
+  EXPECT_EQ(message.covariance[5], 3.0);
+  EXPECT_EQ(message.covariance[35], 6.0);
+  EXPECT_EQ(message.covariance[14], 1e6);
+  EXPECT_EQ(toPoseWithCovariance2(message).covariance, pose.covariance);
+}
+
+TEST(Conversions, FeatureListRoundTrip) {
+  ram_slam::FeatureList list;
+  list.stamp_ns = 42;
+  list.features = {exampleFeature(), exampleFeature()};
+  const CheckedFeatures back = toFeatureList(toFeatureListMessage(list, "base_link"));
+  ASSERT_EQ(back.list.features.size(), 2u);
+  EXPECT_EQ(back.rejected_count, 0);
+  EXPECT_EQ(back.list.stamp_ns, 42);
+  EXPECT_EQ(back.list.features[1].classifier, "pg1:abc");
+  EXPECT_EQ(back.list.features[1].covariance_m2, exampleFeature().covariance_m2);
+}
+
+TEST(Conversions, BadFeaturesAreLeftOutAndCounted) {
+  ram_slam::FeatureList list;
+  list.stamp_ns = 42;
+  list.features = std::vector<ram_slam::Feature>(5, exampleFeature());
+  auto message = toFeatureListMessage(list, "base_link");
+  message.features[0].pose.pose.position.x = std::numeric_limits<double>::quiet_NaN();
+  message.features[1].pose.pose.orientation.w = 0.0;
+  message.features[1].pose.pose.orientation.z = 0.0;
+  message.features[2].pose.covariance.fill(0.0);
+  message.features[3].pose.covariance[1] = 0.5;
+  const CheckedFeatures checked = toFeatureList(message);
+  EXPECT_EQ(checked.list.features.size(), 1u);
+  EXPECT_EQ(checked.rejected_count, 4);
+}
+
+TEST(Conversions, ScanThatIsOfNoUseIsRefused) {
+  sensor_msgs::LaserScan good;
+  good.header.stamp = ros::Time(1, 0);
+  good.angle_increment = 0.01F;
+  good.range_max = 10.0F;
+  good.ranges.resize(10, 1.0F);
+  good.time_increment = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(toLaserScan(good).time_increment_s, 0.0);
+
+  sensor_msgs::LaserScan bad = good;
+  bad.header.stamp = ros::Time();
+  EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
+  bad = good;
+  bad.ranges.clear();
+  EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
+  bad = good;
+  bad.angle_increment = 0.0F;
+  EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
+  bad = good;
+  bad.range_min = 20.0F;
+  EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
+  bad = good;
+  bad.ranges.resize(1000000);
+  EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ram_slam_ros
