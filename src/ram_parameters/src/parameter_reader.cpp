@@ -12,7 +12,9 @@ namespace ram_parameters {
 namespace {
 
 /// yaml-cpp tags a quoted scalar "!"; only a plain one can be a number or a bool.
-bool isPlainScalar(const YAML::Node& node) { return node.IsScalar() && node.Tag() != "!"; }
+bool isPlainScalar(const YAML::Node& node) {
+  return node.IsScalar() && node.Tag() != "!";
+}
 
 bool toDouble(const YAML::Node& node, double& value) {
   return isPlainScalar(node) && YAML::convert<double>::decode(node, value) && std::isfinite(value);
@@ -42,13 +44,16 @@ ParameterReader::ParameterReader(const YAML::Node& values, std::string source)
   }
 }
 
-bool ParameterReader::has(const std::string& key) { return find(key).IsDefined(); }
+bool ParameterReader::has(const std::string& key) {
+  return find(key).IsDefined();
+}
 
 void ParameterReader::read(const std::string& key, bool& value) {
   const YAML::Node node = find(key);
   if (!node.IsDefined()) return;
   bool parsed = false;
-  if (!isPlainScalar(node) || !YAML::convert<bool>::decode(node, parsed)) fail(key, node, "true or false");
+  if (!isPlainScalar(node) || !YAML::convert<bool>::decode(node, parsed))
+    fail(key, node, "true or false");
   value = parsed;
 }
 
@@ -111,10 +116,9 @@ void ParameterReader::rejectUnknown() const {
   for (const auto& entry : values_) {
     const std::string key = entry.first.Scalar();
     if (known_keys_.count(key) != 0) continue;
-    const auto nearest =
-        std::min_element(known_keys_.begin(), known_keys_.end(), [&](const auto& a, const auto& b) {
-          return editDistance(a, key) < editDistance(b, key);
-        });
+    const auto nearest = std::min_element(
+        known_keys_.begin(), known_keys_.end(),
+        [&](const auto& a, const auto& b) { return editDistance(a, key) < editDistance(b, key); });
     const std::string hint =
         nearest == known_keys_.end() ? "" : "; the nearest known one is '" + *nearest + "'";
     throw std::invalid_argument(source_ + ": unknown parameter '" + key + "'" + hint);
@@ -127,7 +131,9 @@ YAML::Node ParameterReader::find(const std::string& key) {
   return std::as_const(values_)[key];
 }
 
-void ParameterReader::fail(const std::string& key, const YAML::Node& node, const char* wanted) const {
+void ParameterReader::fail(const std::string& key,
+                           const YAML::Node& node,
+                           const char* wanted) const {
   YAML::Emitter emitter;
   emitter << YAML::Flow << node;
   throw std::invalid_argument(source_ + ": parameter '" + key + "' is " + emitter.c_str() +

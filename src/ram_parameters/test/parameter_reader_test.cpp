@@ -14,7 +14,9 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-ParameterReader readerOf(const std::string& yaml) { return ParameterReader(YAML::Load(yaml), "/node"); }
+ParameterReader readerOf(const std::string& yaml) {
+  return ParameterReader(YAML::Load(yaml), "/node");
+}
 
 template <typename Action>
 std::string messageOf(const Action& action) {
@@ -66,17 +68,20 @@ TEST(ParameterReader, IntegerIsADouble) {
 }
 
 TEST(ParameterReader, RefusesWrongTypesAndSaysWhat) {
-  for (const char* yaml : {"{k: 0.5}", "{k: '3'}", "{k: text}", "{k: [1]}", "{k: {a: 1}}", "{k: .nan}", "{k: 1e12}"}) {
+  for (const char* yaml :
+       {"{k: 0.5}", "{k: '3'}", "{k: text}", "{k: [1]}", "{k: {a: 1}}", "{k: .nan}", "{k: 1e12}"}) {
     ParameterReader reader = readerOf(yaml);
     int value = 0;
-    EXPECT_THAT(messageOf([&] { reader.read("k", value); }),
-                testing::AllOf(HasSubstr("/node: parameter 'k' is"), HasSubstr("wanted an integer")))
+    EXPECT_THAT(
+        messageOf([&] { reader.read("k", value); }),
+        testing::AllOf(HasSubstr("/node: parameter 'k' is"), HasSubstr("wanted an integer")))
         << yaml;
   }
   for (const char* yaml : {"{k: '0.5'}", "{k: .inf}", "{k: true}"}) {
     ParameterReader reader = readerOf(yaml);
     double value = 0.0;
-    EXPECT_THAT(messageOf([&] { reader.read("k", value); }), HasSubstr("wanted a finite number")) << yaml;
+    EXPECT_THAT(messageOf([&] { reader.read("k", value); }), HasSubstr("wanted a finite number"))
+        << yaml;
   }
 }
 
@@ -97,7 +102,8 @@ TEST(ParameterReader, ReadsASection) {
   noise.read("sigma_m", sigma_m);
   reader.rejectUnknown();
   EXPECT_EQ(sigma_m, 0.1);
-  EXPECT_THAT(messageOf([&] { noise.rejectUnknown(); }), HasSubstr("/node/noise: unknown parameter 'oops'"));
+  EXPECT_THAT(messageOf([&] { noise.rejectUnknown(); }),
+              HasSubstr("/node/noise: unknown parameter 'oops'"));
 }
 
 TEST(ParameterReader, RefusesWhatIsNotAMap) {

@@ -18,8 +18,8 @@ constexpr double kSymmetryTolerance = 1e-6;
 ram_slam::Pose2 toPose2(double x, double y, const geometry_msgs::Quaternion& q) {
   const double norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
   if (!std::isfinite(x) || !std::isfinite(y) || !(std::abs(norm - 1.0) <= kQuaternionTolerance)) {
-    throw std::invalid_argument("pose is not finite or its quaternion (norm " + std::to_string(norm) +
-                                ") is not a rotation");
+    throw std::invalid_argument("pose is not finite or its quaternion (norm " +
+                                std::to_string(norm) + ") is not a rotation");
   }
   return {x, y, std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
 }
@@ -67,7 +67,8 @@ geometry_msgs::Transform toTransformMessage(const ram_slam::Pose2& pose) {
   return message;
 }
 
-ram_slam::PoseWithCovariance2 toPoseWithCovariance2(const geometry_msgs::PoseWithCovariance& message) {
+ram_slam::PoseWithCovariance2 toPoseWithCovariance2(
+    const geometry_msgs::PoseWithCovariance& message) {
   constexpr int kPlanar[] = {0, 1, 5};
   ram_slam::PoseWithCovariance2 pose;
   pose.pose = toPose2(message.pose);
@@ -80,7 +81,8 @@ ram_slam::PoseWithCovariance2 toPoseWithCovariance2(const geometry_msgs::PoseWit
   return pose;
 }
 
-geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(const ram_slam::PoseWithCovariance2& pose) {
+geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(
+    const ram_slam::PoseWithCovariance2& pose) {
   constexpr int kPlanar[] = {0, 1, 5};
   geometry_msgs::PoseWithCovariance message;
   message.pose = toPoseMessage(pose.pose);
@@ -126,7 +128,8 @@ ram_slam::Feature toFeature(const ram_slam_msgs::Feature& message) {
   return feature;
 }
 
-ram_slam_msgs::Feature toFeatureMessage(const ram_slam::Feature& feature, const std_msgs::Header& header) {
+ram_slam_msgs::Feature toFeatureMessage(const ram_slam::Feature& feature,
+                                        const std_msgs::Header& header) {
   ram_slam::PoseWithCovariance2 pose;
   pose.pose = {feature.position_m.x(), feature.position_m.y(), feature.orientation_rad};
   pose.covariance.topLeftCorner<2, 2>() = feature.covariance_m2;

@@ -33,4 +33,10 @@ void LaserScan::validate() const {
   }
 }
 
+LaserScan mirrored(LaserScan scan) {
+  scan.angle_min_rad = -scan.angle_min_rad;
+  scan.angle_increment_rad = -scan.angle_increment_rad;
+  return scan;
+}
+
 }  // namespace ram_slam

@@ -50,7 +50,8 @@ Eigen::Vector2d operator*(const Pose2& a_from_b, const Eigen::Vector2d& point_in
 
 Pose2 exponential(const Eigen::Vector3d& twist) {
   const ExponentialFactors v(twist.z());
-  return {v.s * twist.x() - v.c * twist.y(), v.c * twist.x() + v.s * twist.y(), wrapAngle(twist.z())};
+  return {v.s * twist.x() - v.c * twist.y(), v.c * twist.x() + v.s * twist.y(),
+          wrapAngle(twist.z())};
 }
 
 Eigen::Vector3d logarithm(const Pose2& pose) {
@@ -58,15 +59,15 @@ Eigen::Vector3d logarithm(const Pose2& pose) {
   const ExponentialFactors v(yaw_rad);
   const double determinant = v.s * v.s + v.c * v.c;
   return {(v.s * pose.x_m + v.c * pose.y_m) / determinant,
-          (-v.c * pose.x_m + v.s * pose.y_m) / determinant,
-          yaw_rad};
+          (-v.c * pose.x_m + v.s * pose.y_m) / determinant, yaw_rad};
 }
 
 Pose2 interpolate(const Pose2& a, const Pose2& b, double fraction) {
   return a * exponential(fraction * logarithm(a.inverse() * b));
 }
 
-PoseWithCovariance2 operator*(const PoseWithCovariance2& a_from_b, const PoseWithCovariance2& b_from_c) {
+PoseWithCovariance2 operator*(const PoseWithCovariance2& a_from_b,
+                              const PoseWithCovariance2& b_from_c) {
   PoseWithCovariance2 result;
   result.pose = a_from_b.pose * b_from_c.pose;
   Eigen::Matrix3d f = Eigen::Matrix3d::Identity();
@@ -74,7 +75,8 @@ PoseWithCovariance2 operator*(const PoseWithCovariance2& a_from_b, const PoseWit
   f(1, 2) = result.pose.x_m - a_from_b.pose.x_m;
   Eigen::Matrix3d g = Eigen::Matrix3d::Identity();
   g.topLeftCorner<2, 2>() = a_from_b.pose.rotation();
-  result.covariance = f * a_from_b.covariance * f.transpose() + g * b_from_c.covariance * g.transpose();
+  result.covariance =
+      f * a_from_b.covariance * f.transpose() + g * b_from_c.covariance * g.transpose();
   return result;
 }
 

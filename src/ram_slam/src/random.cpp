@@ -21,9 +21,13 @@ constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ULL;
 Random::Random(std::uint64_t seed, std::uint64_t first_index, std::uint64_t second_index)
     : state_(mix(mix(mix(seed + kGolden) + first_index + kGolden) + second_index + kGolden)) {}
 
-Random::result_type Random::operator()() { return mix(state_ += kGolden); }
+Random::result_type Random::operator()() {
+  return mix(state_ += kGolden);
+}
 
-double Random::uniform() { return static_cast<double>((*this)() >> 11) * 0x1.0p-53; }
+double Random::uniform() {
+  return static_cast<double>((*this)() >> 11) * 0x1.0p-53;
+}
 
 double Random::gaussian() {
   const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));

@@ -17,7 +17,8 @@ void expectNear(const Pose2& a, const Pose2& b, double tolerance) {
 }
 
 Pose2 randomPose(Random& random) {
-  return {10.0 * random.gaussian(), 10.0 * random.gaussian(), M_PI * (2.0 * random.uniform() - 1.0)};
+  return {10.0 * random.gaussian(), 10.0 * random.gaussian(),
+          M_PI * (2.0 * random.uniform() - 1.0)};
 }
 
 TEST(WrapAngle, StaysInTheHalfOpenTurn) {
@@ -48,7 +49,8 @@ TEST(Pose2, ComposesAsPointsDo) {
 
 TEST(Exponential, QuarterCircleEndsOneRadiusAheadAndOneToTheLeft) {
   const double radius_m = 2.0;
-  expectNear(exponential({radius_m * M_PI_2, 0.0, M_PI_2}), {radius_m, radius_m, M_PI_2}, kRoundingOnly);
+  expectNear(exponential({radius_m * M_PI_2, 0.0, M_PI_2}), {radius_m, radius_m, M_PI_2},
+             kRoundingOnly);
 }
 
 TEST(Exponential, LogarithmIsItsInverse) {
@@ -87,8 +89,7 @@ TEST(PoseWithCovariance2, CompositionMatchesSampling) {
     const Eigen::Vector3d db = random.gaussian(b.covariance);
     const Pose2 pose = Pose2{a.pose.x_m + da.x(), a.pose.y_m + da.y(), a.pose.yaw_rad + da.z()} *
                        Pose2{b.pose.x_m + db.x(), b.pose.y_m + db.y(), b.pose.yaw_rad + db.z()};
-    const Eigen::Vector3d error(pose.x_m - composed.pose.x_m,
-                                pose.y_m - composed.pose.y_m,
+    const Eigen::Vector3d error(pose.x_m - composed.pose.x_m, pose.y_m - composed.pose.y_m,
                                 wrapAngle(pose.yaw_rad - composed.pose.yaw_rad));
     sampled += error * error.transpose() / samples;
   }

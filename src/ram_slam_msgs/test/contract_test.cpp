@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The MD5 sums of the report's five definitions are the wire contract: a change here breaks every recorded bag.
-#include <gtest/gtest.h>
-
+// The MD5 sums of the report's five definitions are the wire contract: a change here breaks every
+// recorded bag.
 #include <string>
 
+#include <gtest/gtest.h>
 #include <ram_slam_msgs/Feature.h>
 #include <ram_slam_msgs/FeatureList.h>
 #include <ram_slam_msgs/PredictState.h>
@@ -35,7 +35,8 @@ TEST(Contract, PredictStateKeepsItsMd5Sum) {
 }
 
 TEST(Contract, PredictStateWithCovarianceKeepsItsMd5Sum) {
-  EXPECT_EQ(serviceMd5<ram_slam_msgs::PredictStateWithCovariance>(), "d68fe168d262488af6a274b8c28fd6d7");
+  EXPECT_EQ(serviceMd5<ram_slam_msgs::PredictStateWithCovariance>(),
+            "d68fe168d262488af6a274b8c28fd6d7");
 }
 
 TEST(Contract, SampleStateKeepsItsMd5Sum) {

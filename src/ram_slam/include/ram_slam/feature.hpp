@@ -9,7 +9,8 @@
 
 namespace ram_slam {
 
-/// One feature as a detector saw it, in the robot's base frame: the planar part of ram_slam_msgs/Feature.
+/// One feature as a detector saw it, in the robot's base frame: the planar part of
+/// ram_slam_msgs/Feature.
 struct Feature {
   std::string type;        ///< kind; selects the FeatureMatcher
   std::string classifier;  ///< semi-unique description, empty if none

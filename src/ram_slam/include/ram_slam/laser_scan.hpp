@@ -25,8 +25,8 @@ inline Return classify(float range_m, float range_min_m, float range_max_m) {
 }
 
 /// One sweep of a planar lidar, as sensor_msgs/LaserScan has it. Beam i points to
-/// angle_min_rad + i * angle_increment_rad (negative increment: clockwise) and was fired i * time_increment_s
-/// after stamp_ns. Ranges follow REP 117.
+/// angle_min_rad + i * angle_increment_rad (negative increment: clockwise) and was fired i *
+/// time_increment_s after stamp_ns. Ranges follow REP 117.
 struct LaserScan {
   std::int64_t stamp_ns = 0;  ///< of the first beam
   double angle_min_rad = 0.0;
@@ -46,9 +46,15 @@ struct LaserScan {
            Eigen::Vector2d(std::cos(bearing_rad(beam)), std::sin(bearing_rad(beam)));
   }
 
-  /// \throws std::invalid_argument with the reason if no use can be made of the scan: no or more than 20,000 ranges,
-  ///         angles or limits not finite, an increment of (nearly) zero, range_min > range_max or negative limits
+  /// \throws std::invalid_argument with the reason if no use can be made of the scan: no or more
+  /// than 20,000 ranges,
+  ///         angles or limits not finite, an increment of (nearly) zero, range_min > range_max or
+  ///         negative limits
   void validate() const;
 };
+
+/// The scan that an upright sensor would have given, from one of a sensor mounted upside down:
+/// bearings change sign.
+LaserScan mirrored(LaserScan scan);
 
 }  // namespace ram_slam

@@ -13,7 +13,8 @@ double wrapAngle(double angle_rad);
 
 /// A pose in the plane, or equally the transform from one planar frame to another: SE(2).
 ///
-/// Named `target_from_source`, so that `map_from_base * base_from_laser * point_in_laser` reads like dominoes.
+/// Named `target_from_source`, so that `map_from_base * base_from_laser * point_in_laser` reads
+/// like dominoes.
 struct Pose2 {
   double x_m = 0.0;
   double y_m = 0.0;
@@ -22,7 +23,9 @@ struct Pose2 {
   Eigen::Vector2d translation() const { return {x_m, y_m}; }
   Eigen::Matrix2d rotation() const { return Eigen::Rotation2Dd(yaw_rad).toRotationMatrix(); }
   Pose2 inverse() const;
-  bool isFinite() const { return std::isfinite(x_m) && std::isfinite(y_m) && std::isfinite(yaw_rad); }
+  bool isFinite() const {
+    return std::isfinite(x_m) && std::isfinite(y_m) && std::isfinite(yaw_rad);
+  }
 };
 
 /// Composition; the yaw of the result is in (-pi, pi].
@@ -31,26 +34,32 @@ Pose2 operator*(const Pose2& a_from_b, const Pose2& b_from_c);
 /// The point of frame b, seen from frame a.
 Eigen::Vector2d operator*(const Pose2& a_from_b, const Eigen::Vector2d& point_in_b);
 
-/// The pose reached by moving for unit time at a constant twist (x [m], y [m], yaw [rad]) from the origin.
+/// The pose reached by moving for unit time at a constant twist (x [m], y [m], yaw [rad]) from the
+/// origin.
 ///
-/// Exponential map of SE(2): t = V(yaw) (x, y), V = [[s, -c], [c, s]], s = sin(yaw) / yaw, c = (1 - cos(yaw)) / yaw.
+/// Exponential map of SE(2): t = V(yaw) (x, y), V = [[s, -c], [c, s]], s = sin(yaw) / yaw, c = (1 -
+/// cos(yaw)) / yaw.
 Pose2 exponential(const Eigen::Vector3d& twist);
 
 /// The twist whose exponential is `pose`; inverse of exponential() for yaw in (-pi, pi).
 Eigen::Vector3d logarithm(const Pose2& pose);
 
-/// The pose a fraction of the way from `a` (0) to `b` (1) at constant twist; a fraction outside [0, 1] extrapolates.
+/// The pose a fraction of the way from `a` (0) to `b` (1) at constant twist; a fraction outside [0,
+/// 1] extrapolates.
 Pose2 interpolate(const Pose2& a, const Pose2& b, double fraction);
 
-/// A pose with uncertainty. The covariance's order is x, y, yaw [m^2, m rad, rad^2], in the axes of the pose's parent
-/// frame: covariance of (x_m, y_m, yaw_rad) themselves, as geometry_msgs/PoseWithCovariance has it.
+/// A pose with uncertainty. The covariance's order is x, y, yaw [m^2, m rad, rad^2], in the axes of
+/// the pose's parent frame: covariance of (x_m, y_m, yaw_rad) themselves, as
+/// geometry_msgs/PoseWithCovariance has it.
 struct PoseWithCovariance2 {
   Pose2 pose;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
 /// Composition of two independent uncertain transforms, to first order:
-/// cov = F cov_a F^T + G cov_b G^T, F = [[1, 0, -(y - y_a)], [0, 1, x - x_a], [0, 0, 1]], G = diag(R(yaw_a), 1).
-PoseWithCovariance2 operator*(const PoseWithCovariance2& a_from_b, const PoseWithCovariance2& b_from_c);
+/// cov = F cov_a F^T + G cov_b G^T, F = [[1, 0, -(y - y_a)], [0, 1, x - x_a], [0, 0, 1]], G =
+/// diag(R(yaw_a), 1).
+PoseWithCovariance2 operator*(const PoseWithCovariance2& a_from_b,
+                              const PoseWithCovariance2& b_from_c);
 
 }  // namespace ram_slam

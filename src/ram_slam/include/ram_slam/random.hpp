@@ -8,15 +8,19 @@
 
 namespace ram_slam {
 
-/// A stream of random numbers fixed by a seed and up to two indices (say update and particle), so that the numbers a
-/// particle draws depend on nothing else: not on the thread, not on what others drew before.
+/// A stream of random numbers fixed by a seed and up to two indices (say update and particle), so
+/// that the numbers a particle draws depend on nothing else: not on the thread, not on what others
+/// drew before.
 ///
-/// SplitMix64 (Steele et al., OOPSLA 2014) started at a hash of the key. A UniformRandomBitGenerator.
+/// SplitMix64 (Steele et al., OOPSLA 2014) started at a hash of the key. A
+/// UniformRandomBitGenerator.
 class Random {
- public:
+public:
   using result_type = std::uint64_t;
 
-  explicit Random(std::uint64_t seed, std::uint64_t first_index = 0, std::uint64_t second_index = 0);
+  explicit Random(std::uint64_t seed,
+                  std::uint64_t first_index = 0,
+                  std::uint64_t second_index = 0);
 
   static constexpr result_type min() { return 0; }
   static constexpr result_type max() { return std::numeric_limits<result_type>::max(); }
@@ -31,7 +35,7 @@ class Random {
   /// Normal with mean 0 and the given covariance (symmetric, positive semi-definite).
   Eigen::Vector3d gaussian(const Eigen::Matrix3d& covariance);
 
- private:
+private:
   std::uint64_t state_;
 };
 

@@ -5,8 +5,9 @@
 
 namespace ram_parameters_ros {
 
-/// The calling node's private parameters, as they are on the parameter server now, named by the node in errors.
-/// \throws std::invalid_argument if a value has a type that YAML does not have (binary, date)
+/// The calling node's private parameters, as they are on the parameter server now, named by the
+/// node in errors. \throws std::invalid_argument if a value has a type that YAML does not have
+/// (binary, date)
 ram_parameters::ParameterReader privateParameters();
 
 }  // namespace ram_parameters_ros

@@ -12,7 +12,8 @@
 
 namespace ram_parameters_ros {
 
-/// What every node's main does: starts the node, hands it its private parameters, and serves callbacks until shutdown.
+/// What every node's main does: starts the node, hands it its private parameters, and serves
+/// callbacks until shutdown.
 ///
 /// An exception from the node's constructor ends the process with one FATAL line and EXIT_FAILURE.
 ///
@@ -20,10 +21,14 @@ namespace ram_parameters_ros {
 /// \param description  one line, printed with --help
 /// \param threads  callback threads of the spinner; 1 means callbacks never overlap
 template <typename Node>
-int runNode(int argc, char** argv, const std::string& name, const std::string& description, int threads = 1) {
+int runNode(int argc,
+            char** argv,
+            const std::string& name,
+            const std::string& description,
+            int threads = 1) {
   if (argc > 1 && (std::string(argv[1]) == "--help" || std::string(argv[1]) == "-h")) {
-    std::cout << name << ": " << description << "\nParameters are private and documented in config/" << name
-              << ".yaml; topics and services in docs/architecture.md.\n";
+    std::cout << name << ": " << description << "\nParameters are private and documented in config/"
+              << name << ".yaml; topics and services in docs/architecture.md.\n";
     return EXIT_SUCCESS;
   }
   ros::init(argc, argv, name);

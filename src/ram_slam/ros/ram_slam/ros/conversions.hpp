@@ -21,17 +21,21 @@ std::int64_t toNanoseconds(const ros::Time& time);
 ros::Time toTime(std::int64_t stamp_ns);
 
 /// The planar part of a pose or transform.
-/// \throws std::invalid_argument if a value is not finite or the quaternion's norm differs from 1 by more than 1e-3
+/// \throws std::invalid_argument if a value is not finite or the quaternion's norm differs from 1
+/// by more than 1e-3
 ram_slam::Pose2 toPose2(const geometry_msgs::Pose& message);
 ram_slam::Pose2 toPose2(const geometry_msgs::Transform& message);
 
 geometry_msgs::Pose toPoseMessage(const ram_slam::Pose2& pose);
 geometry_msgs::Transform toTransformMessage(const ram_slam::Pose2& pose);
 
-/// The planar part and its covariance. \throws std::invalid_argument as toPose2, or if an entry is not finite
-ram_slam::PoseWithCovariance2 toPoseWithCovariance2(const geometry_msgs::PoseWithCovariance& message);
+/// The planar part and its covariance. \throws std::invalid_argument as toPose2, or if an entry is
+/// not finite
+ram_slam::PoseWithCovariance2 toPoseWithCovariance2(
+    const geometry_msgs::PoseWithCovariance& message);
 /// z, roll and pitch are zero with variance 1e6: not known.
-geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(const ram_slam::PoseWithCovariance2& pose);
+geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(
+    const ram_slam::PoseWithCovariance2& pose);
 
 /// \throws std::invalid_argument as LaserScan::validate(), or if the stamp is zero
 ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message);
@@ -39,7 +43,8 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message);
 /// A feature's position covariance must be finite, symmetric and positive definite.
 /// \throws std::invalid_argument with the reason
 ram_slam::Feature toFeature(const ram_slam_msgs::Feature& message);
-ram_slam_msgs::Feature toFeatureMessage(const ram_slam::Feature& feature, const std_msgs::Header& header);
+ram_slam_msgs::Feature toFeatureMessage(const ram_slam::Feature& feature,
+                                        const std_msgs::Header& header);
 
 /// Features that toFeature() refuses are left out and counted.
 struct CheckedFeatures {
@@ -48,6 +53,7 @@ struct CheckedFeatures {
 };
 /// \throws std::invalid_argument if the stamp is zero
 CheckedFeatures toFeatureList(const ram_slam_msgs::FeatureList& message);
-ram_slam_msgs::FeatureList toFeatureListMessage(const ram_slam::FeatureList& list, const std::string& frame_id);
+ram_slam_msgs::FeatureList toFeatureListMessage(const ram_slam::FeatureList& list,
+                                                const std::string& frame_id);
 
 }  // namespace ram_slam_ros
