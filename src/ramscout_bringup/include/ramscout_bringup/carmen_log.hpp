@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/pose2.hpp"
+
+namespace ramscout_bringup {
+
+/// Where the wheels say the robot's base is.
+struct StampedOdometry {
+  std::int64_t stamp_ns = 0;
+  ram_slam::Pose2 odom_from_base;
+};
+
+/// What a CARMEN log says about the front laser and the wheels.
+struct CarmenLog {
+  /// In strictly rising stamp order; readings follow REP 117.
+  std::vector<ram_slam::LaserScan> scans;
+  /// One per scan, at its stamp: the pose that the laser's line carries. Empty if the log's
+  /// odometry never moves.
+  std::vector<StampedOdometry> odometry;
+  /// The laser's mount, from the two poses of each laser line; identity if they do not differ by a
+  /// constant.
+  ram_slam::Pose2 base_from_laser;
+  bool mount_is_known = false;
+  /// The reading that the sensor gives for "nothing there", if the log has one; such readings are
+  /// +Inf in `scans`.
+  std::optional<float> no_return_m;
+  std::size_t damaged_line_count = 0;    ///< laser lines that could not be read
+  std::size_t duplicate_scan_count = 0;  ///< laser lines left out since another had the same stamp
+};
+
+/// Reads the laser lines (FLASER, ROBOTLASER1) of a CARMEN log, plain or packed (.gz, .xz).
+///
+/// Stamps are those of the message, not of the logger. ODOM lines are not used: the pose in the
+/// laser's line is the one of the laser's stamp. FLASER carries no geometry; by CARMEN's convention
+/// n readings cover 180 deg, the first at -90 deg: 180 and 360 readings are 180/n deg apart, 181
+/// and 361 are 180/(n-1) deg.
+///
+/// \throws std::runtime_error naming the file if it cannot be read or has no laser line
+CarmenLog readCarmenLog(const std::string& path);
+
+}  // namespace ramscout_bringup
