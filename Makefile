@@ -7,6 +7,9 @@ deps:
 build: deps
 	@scripts/build.sh
 
+demo: deps
+	@scripts/demo.sh
+
 test: deps
 	@scripts/test.sh
 
