@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -33,6 +34,12 @@ Pose2 operator*(const Pose2& a_from_b, const Pose2& b_from_c);
 
 /// The point of frame b, seen from frame a.
 Eigen::Vector2d operator*(const Pose2& a_from_b, const Eigen::Vector2d& point_in_b);
+
+/// A pose at an instant, e.g. of the robot's base in the map: an element of a trajectory.
+struct StampedPose2 {
+  std::int64_t stamp_ns = 0;
+  Pose2 pose;
+};
 
 /// The pose reached by moving for unit time at a constant twist (x [m], y [m], yaw [rad]) from the
 /// origin.
