@@ -8,5 +8,5 @@ if [[ ${1:-} == --tests ]]; then tests=yes; shift; fi
 mkdir -p devel/lib/python3/dist-packages
 launcher=()
 if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-catkin_make -DCMAKE_BUILD_TYPE=Release -DCMAKE_EXPORT_COMPILE_COMMANDS=ON "${launcher[@]}" "$@"
-if [[ $tests == yes ]]; then catkin_make tests "$@"; fi
+catkin_make -j"$(nproc)" -DCMAKE_BUILD_TYPE=Release -DCMAKE_EXPORT_COMPILE_COMMANDS=ON "${launcher[@]}" "$@"
+if [[ $tests == yes ]]; then catkin_make -j"$(nproc)" tests "$@"; fi

@@ -9,14 +9,9 @@
 
 #include "ram_slam/laser_scan.hpp"
 #include "ram_slam/pose2.hpp"
+#include "ramscout_bringup/recording.hpp"
 
 namespace ramscout_bringup {
-
-/// Where the wheels say the robot's base is.
-struct StampedOdometry {
-  std::int64_t stamp_ns = 0;
-  ram_slam::Pose2 odom_from_base;
-};
 
 /// What a CARMEN log says about the front laser and the wheels.
 struct CarmenLog {
@@ -24,7 +19,7 @@ struct CarmenLog {
   std::vector<ram_slam::LaserScan> scans;
   /// One per scan, at its stamp: the pose that the laser's line carries. Empty if the log's
   /// odometry never moves.
-  std::vector<StampedOdometry> odometry;
+  std::vector<OdometryReading> odometry;
   /// The laser's mount, from the two poses of each laser line; identity if they do not differ by a
   /// constant.
   ram_slam::Pose2 base_from_laser;

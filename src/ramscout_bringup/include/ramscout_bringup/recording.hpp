@@ -26,9 +26,10 @@ struct ScanReading {
   std::int64_t stampNs() const { return scan.stamp_ns; }
 };
 
-/// A robot's log as the sensors wrote it, in the order of the stamps; of equal stamps odometry comes first.
+/// A robot's log as the sensors wrote it, in the order of the stamps; of equal stamps odometry
+/// comes first.
 class Recording {
- public:
+public:
   using Reading = std::variant<OdometryReading, ScanReading>;
 
   virtual ~Recording() = default;
@@ -40,7 +41,8 @@ class Recording {
   /// Part of the recording that next() has given so far, from 0 to 1.
   virtual double progress() const = 0;
 
-  /// What was found and decided about the recording, for the user: topics, geometry, what was left out and why.
+  /// What was found and decided about the recording, for the user: topics, geometry, what was left
+  /// out and why.
   virtual std::vector<std::string> notes() const = 0;
 };
 

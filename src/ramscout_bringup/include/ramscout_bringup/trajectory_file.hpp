@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ram_slam/pose2.hpp"
+
+namespace ramscout_bringup {
+
+using Trajectory = std::vector<ram_slam::StampedPose2>;
+
+/// Reads a trajectory in the TUM format, plain or packed (.gz, .xz): lines `stamp x y z qx qy qz
+/// qw` [s, m]; `#` starts a comment. The planar part is kept, the poses sorted by stamp. Stamps are
+/// read digit by digit: exact to 1 ns. \throws std::runtime_error naming file and line if a line is
+/// malformed, or the file has no pose
+Trajectory readTrajectory(const std::string& path);
+
+/// The trajectory as text in the TUM format: stamps with nine decimals, positions to 1 um,
+/// quaternions to 1e-9.
+std::string toTum(const Trajectory& trajectory);
+
+}  // namespace ramscout_bringup

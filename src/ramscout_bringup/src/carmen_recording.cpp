@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_bringup/carmen_recording.hpp"
+
+#include <sstream>
+#include <utility>
+
+namespace ramscout_bringup {
+
+CarmenRecording::CarmenRecording(const std::string& path) : log_(readCarmenLog(path)) {}
+
+std::optional<Recording::Reading> CarmenRecording::next() {
+  if (scan_ == log_.scans.size()) return std::nullopt;
+  if (!log_.odometry.empty() && !odometry_given_) {
+    odometry_given_ = true;
+    return log_.odometry[scan_];
+  }
+  odometry_given_ = false;
+  return ScanReading{std::move(log_.scans[scan_++]), log_.base_from_laser};
+}
+
+double CarmenRecording::progress() const {
+  return static_cast<double>(scan_) / static_cast<double>(log_.scans.size());
+}
+
+std::vector<std::string> CarmenRecording::notes() const {
+  std::vector<std::string> notes{"scans: " + std::to_string(log_.scans.size()),
+                                 "odometry: " + std::to_string(log_.odometry.size())};
+  std::ostringstream mount;
+  mount << "laser on the base: x " << log_.base_from_laser.x_m << " m, y "
+        << log_.base_from_laser.y_m << " m, yaw " << log_.base_from_laser.yaw_rad << " rad"
+        << (log_.mount_is_known ? "" : " (assumed: the log does not say)");
+  notes.push_back(mount.str());
+  if (log_.no_return_m) {
+    notes.push_back("readings of " + std::to_string(*log_.no_return_m) +
+                    " m and more mean: nothing there");
+  }
+  if (log_.damaged_line_count > 0) {
+    notes.push_back("left out " + std::to_string(log_.damaged_line_count) + " damaged lines");
+  }
+  if (log_.duplicate_scan_count > 0) {
+    notes.push_back("left out " + std::to_string(log_.duplicate_scan_count) +
+                    " scans with the stamp of another");
+  }
+  return notes;
+}
+
+}  // namespace ramscout_bringup

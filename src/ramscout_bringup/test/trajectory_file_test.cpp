@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_bringup/trajectory_file.hpp"
+
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace ramscout_bringup {
+namespace {
+
+class TrajectoryFile : public testing::Test {
+protected:
+  std::string write(const std::string& text) {
+    std::ofstream(path_) << text;
+    return path_;
+  }
+  void TearDown() override { std::remove(path_.c_str()); }
+
+  std::string path_ = testing::TempDir() + "trajectory_file_test.tum";
+};
+
+TEST_F(TrajectoryFile, RoundTripKeepsStampsExactlyAndPosesToTheWrittenDigits) {
+  const Trajectory written{{1700000000123456789, {1.25, -2.5, 3.0}},
+                           {1700000000999999999, {0.0, 0.0, -3.14}}};
+  const Trajectory read = readTrajectory(write(toTum(written)));
+  ASSERT_EQ(read.size(), 2u);
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_EQ(read[i].stamp_ns, written[i].stamp_ns);
+    EXPECT_NEAR(read[i].pose.x_m, written[i].pose.x_m, 1e-6);
+    EXPECT_NEAR(read[i].pose.y_m, written[i].pose.y_m, 1e-6);
+    EXPECT_NEAR(read[i].pose.yaw_rad, written[i].pose.yaw_rad, 1e-8);
+  }
+  EXPECT_EQ(toTum(read), toTum(written));
+}
+
+TEST_F(TrajectoryFile, CommentsAreSkippedAndPosesSorted) {
+  const Trajectory read = readTrajectory(
+      write("# stamp x y z qx qy qz qw\n\n2.5 1 0 0 0 0 0 1 # b\n1 2 0 0 0 0 0 1\n"));
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[0].stamp_ns, 1000000000);
+  EXPECT_EQ(read[1].stamp_ns, 2500000000);
+}
+
+TEST_F(TrajectoryFile, MalformedLinesAreNamed) {
+  for (const char* text :
+       {"1 2 3\n", "1 2 3 0 0 0 0 nan\n", "x 1 2 3 4 5 6 7\n", "1 2 3 0 0 0 0 1,0\n"}) {
+    try {
+      readTrajectory(write(text));
+      FAIL() << text;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find(":1:"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(readTrajectory(write("# nothing\n")), std::runtime_error);
+  EXPECT_THROW(readTrajectory("/does/not/exist"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace ramscout_bringup

@@ -1,0 +1,77 @@
+#!/usr/bin/python3
+"""Every node starts alone, stops on SIGTERM, and refuses bad parameters with one FATAL line and a non-zero exit code."""
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+import rostest
+
+# node type: (package, a parameter it has, a value out of its range)
+NODES = {
+    "fast_slam": ("ram_slam", "particle_amount", "-1"),
+    "occupancy_mapper": ("ram_slam", "resolution", "0.0"),
+    "kinematics": ("ramscout_kinematics", "buffer_duration_s", "-1.0"),
+    "feature_detector": ("ramscout_feature_detector", "ppm", "0"),
+    "simulator": ("ramscout_sim", "scan_rate_hz", "-1.0"),
+}
+START_TIMEOUT_S = 20.0
+ALIVE_S = 1.5
+STOP_TIMEOUT_S = 5.0
+
+
+def start(node, *parameters):
+    package = NODES[node][0]
+    return subprocess.Popen(
+        ["rosrun", package, node, "__name:=%s_under_test" % node, *parameters],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
+
+
+def fatal_lines(output):
+    return [line for line in output.splitlines() if re.search(r"FATAL", line)]
+
+
+class NodesStartAndRefuse(unittest.TestCase):
+    def refuses(self, node, parameter, expected):
+        process = start(node, parameter)
+        try:
+            output, _ = process.communicate(timeout=START_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            self.fail("%s with %s did not exit" % (node, parameter))
+        self.assertNotEqual(process.returncode, 0, output)
+        self.assertEqual(len(fatal_lines(output)), 1, output)
+        self.assertIn(expected, fatal_lines(output)[0])
+
+    def test_every_node_starts_alone_and_stops_on_request(self):
+        for node in NODES:
+            with self.subTest(node=node):
+                process = start(node)
+                try:
+                    time.sleep(ALIVE_S)
+                    self.assertIsNone(process.poll(), "%s died: %s" % (node, process.stdout.read()
+                                                                      if process.poll() is not None else ""))
+                finally:
+                    os.killpg(process.pid, signal.SIGTERM)
+                    process.communicate(timeout=STOP_TIMEOUT_S)
+
+    def test_every_node_refuses_an_unknown_key(self):
+        for node in NODES:
+            with self.subTest(node=node):
+                self.refuses(node, "_no_such_key:=1", "no_such_key")
+
+    def test_every_node_refuses_a_value_out_of_range(self):
+        for node, (_, key, value) in NODES.items():
+            with self.subTest(node=node):
+                self.refuses(node, "_%s:=%s" % (key, value), key)
+
+    def test_every_node_refuses_a_wrong_type(self):
+        for node, (_, key, _) in NODES.items():
+            with self.subTest(node=node):
+                self.refuses(node, "_%s:=text" % key, key)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("ramscout_bringup", "nodes_start_and_refuse", NodesStartAndRefuse)
