@@ -2,7 +2,6 @@
 #include "ramscout_bringup/carmen_log.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "ramscout_bringup/text_file.hpp"
+#include "ramscout_bringup/words.hpp"
 
 namespace ramscout_bringup {
 namespace {
@@ -18,7 +18,6 @@ namespace {
 using ram_slam::LaserScan;
 using ram_slam::Pose2;
 
-constexpr std::size_t kMaxReadings = 20000;
 constexpr float kTooCloseM = 0.005F;   // the sensors count centimetres: less is "blinded"
 constexpr float kUnlimitedM = 100.0F;  // for a log that names no limit and has no code
 constexpr float kLeastCodeM = 5.0F;    // no sensor of the family sees less far
@@ -31,65 +30,6 @@ constexpr double kLeastShareAmongCodes = 0.25;
 constexpr double kMaxShareBeyondCode = 0.01;
 constexpr double kCodeToReadingRatio = 5.0;
 constexpr double kMaxMountDeviation = 0.01;  // m or rad
-
-/// The words of a line, one at a time; any failure sticks.
-class Words {
-public:
-  explicit Words(std::string_view line) : rest_(line) {}
-
-  std::string_view next() {
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t"), rest_.size()));
-    const std::size_t length = std::min(rest_.find_first_of(" \t"), rest_.size());
-    const std::string_view word = rest_.substr(0, length);
-    rest_.remove_prefix(length);
-    good_ = good_ && !word.empty();
-    return word;
-  }
-
-  template <typename Number>
-  Number number() {
-    return parse<Number>(next());
-  }
-
-  Pose2 pose() {
-    Pose2 pose;
-    pose.x_m = number<double>();
-    pose.y_m = number<double>();
-    pose.yaw_rad = ram_slam::wrapAngle(number<double>());
-    good_ = good_ && pose.isFinite();
-    return pose;
-  }
-
-  /// "12.345678" as nanoseconds, exactly.
-  std::int64_t stampNs() {
-    const std::string_view word = next();
-    const std::size_t point = std::min(word.find('.'), word.size());
-    std::string fraction(word.substr(std::min(point + 1, word.size())));
-    fraction.resize(9, '0');
-    return parse<std::int64_t>(std::string(word.substr(0, point)) + fraction);
-  }
-
-  std::vector<float> readings(std::size_t count) {
-    good_ = good_ && count <= kMaxReadings;
-    std::vector<float> values(good_ ? count : 0);
-    for (float& value : values) value = number<float>();
-    return values;
-  }
-
-  bool good() const { return good_; }
-
-private:
-  template <typename Number>
-  Number parse(std::string_view word) {
-    Number value{};
-    const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
-    good_ = good_ && result.ec == std::errc() && result.ptr == word.data() + word.size();
-    return value;
-  }
-
-  std::string_view rest_;
-  bool good_ = true;
-};
 
 struct Angles {
   double min_rad = 0.0;

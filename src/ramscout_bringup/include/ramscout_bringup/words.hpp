@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "ram_slam/pose2.hpp"
+
+namespace ramscout_bringup {
+
+/// The words of a line between blanks, one at a time. Any failure sticks: read all, then ask
+/// good().
+class Words {
+public:
+  /// \param line  must outlive the object
+  explicit Words(std::string_view line) : rest_(line) {}
+
+  /// The next word; a failure if there is none.
+  std::string_view next() {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t"), rest_.size()));
+    const std::size_t length = std::min(rest_.find_first_of(" \t"), rest_.size());
+    const std::string_view word = rest_.substr(0, length);
+    rest_.remove_prefix(length);
+    good_ = good_ && !word.empty();
+    return word;
+  }
+
+  /// The next word as a number, all of it, whatever the locale.
+  template <typename Number>
+  Number number() {
+    return parse<Number>(next());
+  }
+
+  /// Three numbers: x y yaw [m, rad]; a failure if one is not finite.
+  ram_slam::Pose2 pose() {
+    ram_slam::Pose2 pose;
+    pose.x_m = number<double>();
+    pose.y_m = number<double>();
+    pose.yaw_rad = ram_slam::wrapAngle(number<double>());
+    good_ = good_ && pose.isFinite();
+    return pose;
+  }
+
+  /// Decimal seconds such as 12.345678 in nanoseconds, digit by digit: a double resolves 0.2 us at
+  /// today's epoch.
+  std::int64_t stampNs() {
+    const std::string_view word = next();
+    const std::size_t point = std::min(word.find('.'), word.size());
+    std::string fraction(word.substr(std::min(point + 1, word.size())));
+    fraction.resize(9, '0');
+    return parse<std::int64_t>(std::string(word.substr(0, point)) + fraction);
+  }
+
+  /// `count` numbers; a failure if there are fewer, or more than 20,000 are wanted.
+  std::vector<float> readings(std::size_t count) {
+    constexpr std::size_t kMaxReadings = 20000;
+    good_ = good_ && count <= kMaxReadings;
+    std::vector<float> values(good_ ? count : 0);
+    for (float& value : values) value = number<float>();
+    return values;
+  }
+
+  bool good() const { return good_; }
+
+private:
+  template <typename Number>
+  Number parse(std::string_view word) {
+    Number value{};
+    const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+    good_ = good_ && result.ec == std::errc() && result.ptr == word.data() + word.size();
+    return value;
+  }
+
+  std::string_view rest_;
+  bool good_ = true;
+};
+
+}  // namespace ramscout_bringup
