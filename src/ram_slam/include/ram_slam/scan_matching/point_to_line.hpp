@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "ram_slam/pose2.hpp"
+#include "ram_slam/scan_matching/surface_scan.hpp"
+
+namespace ram_slam {
+
+/// How points of one scan are paired with lines of another.
+struct PairingLimits {
+  double max_distance_m = 0.3;     ///< between a point and its partner
+  double min_normal_cosine = 0.8;  ///< of the angle between the two normals
+  double robust_scale_m = 0.03;    ///< residual at which a pair counts half (Cauchy)
+  std::size_t point_stride = 1;    ///< every how-many-th point of the source is used
+};
+
+/// Sum over point-to-line pairs of w r^2, with r = n . (T p - q), in the neighbourhood of T =
+/// target_from_source: cost + 2 gradient . d + d^T information d, d = change of (x, y, yaw) of T.
+struct PointToLineSum {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+  double cost_m2 = 0.0;  ///< sum of w r^2
+  double weight = 0.0;   ///< sum of w
+  std::size_t pair_count = 0;
+  std::size_t visible_count = 0;  ///< source points on lines that the target looks towards
+};
+
+/// Pairs each point of `source` with the nearest point of `target` about the beam that looks
+/// towards it, and sums the point-to-line residuals (Censi, ICRA 2008; the beam order replaces the
+/// search).
+PointToLineSum sumPointToLine(const SurfaceScan& target,
+                              const SurfaceScan& source,
+                              const Pose2& target_from_source,
+                              const PairingLimits& limits);
+
+}  // namespace ram_slam

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "ram_slam/laser_scan.hpp"
+
+namespace ram_slam {
+
+/// What one beam saw, in the laser's frame: the end of the beam, drawn onto the line through its
+/// neighbours if they lie on one.
+struct SurfacePoint {
+  float x_m = 0.0F;
+  float y_m = 0.0F;
+  float normal_x =
+      0.0F;  ///< unit normal of the line, turned towards the laser; zero if there is no line
+  float normal_y = 0.0F;
+
+  bool hasNormal() const { return normal_x != 0.0F || normal_y != 0.0F; }
+};
+
+/// Settings of the line fit.
+struct SurfaceParameters {
+  int neighbour_count = 4;  ///< on each side of a beam
+  double max_gap_m = 0.2;   ///< between neighbours; farther apart they are different things
+  double max_line_deviation_m = 0.03;  ///< standard deviation of the neighbours from their line
+  double max_range_m = 30.0;           ///< readings beyond are not used: too sparse to be lines
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+/// The surfaces that one scan saw, beam by beam, so that the place of a point in the scan is found
+/// from its bearing.
+struct SurfaceScan {
+  double angle_min_rad = 0.0;
+  double angle_increment_rad = 0.0;
+  std::vector<SurfacePoint> points;  ///< those of beams that hit, in beam order
+  std::vector<std::int32_t>
+      point_of_beam;  ///< index into `points`; of a beam without a hit: that of the next one
+};
+
+/// \throws std::invalid_argument as LaserScan::validate()
+SurfaceScan extractSurfaces(const LaserScan& scan, const SurfaceParameters& parameters);
+
+}  // namespace ram_slam

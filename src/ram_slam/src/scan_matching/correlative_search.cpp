@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/scan_matching/correlative_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ram_slam {
+namespace {
+
+struct Cell {
+  int column = 0;
+  int row = 0;
+};
+
+/// One stamp of the readings' Gaussian, (2 radius + 1) cells wide.
+std::vector<std::uint8_t> makeKernel(int radius, double deviation_cells) {
+  std::vector<std::uint8_t> kernel;
+  for (int row = -radius; row <= radius; ++row) {
+    for (int column = -radius; column <= radius; ++column) {
+      const double squared = (row * row + column * column) / (deviation_cells * deviation_cells);
+      kernel.push_back(static_cast<std::uint8_t>(std::lround(255.0 * std::exp(-0.5 * squared))));
+    }
+  }
+  return kernel;
+}
+
+/// Level h + 1 of level h: the greatest of the 3 x 3 cells that a point in a coarse cell can meet
+/// when it is shifted by up to one coarse cell.
+LikelihoodPyramid::Level coarsen(const LikelihoodPyramid::Level& fine) {
+  LikelihoodPyramid::Level coarse;
+  coarse.columns = (fine.columns + 1) / 2;
+  coarse.rows = (fine.rows + 1) / 2;
+  coarse.cells.resize(static_cast<std::size_t>(coarse.columns) *
+                      static_cast<std::size_t>(coarse.rows));
+  std::size_t index = 0;
+  for (int row = 0; row < coarse.rows; ++row) {
+    for (int column = 0; column < coarse.columns; ++column) {
+      std::uint8_t greatest = 0;
+      for (int dr = 0; dr < 3; ++dr) {
+        for (int dc = 0; dc < 3; ++dc)
+          greatest = std::max(greatest, fine.at(2 * column + dc, 2 * row + dr));
+      }
+      coarse.cells[index++] = greatest;
+    }
+  }
+  return coarse;
+}
+
+/// A square of shifts, 2^level cells wide, at one angle.
+struct Node {
+  std::size_t angle = 0;
+  int level = 0;
+  Cell shift;
+  double score = 0.0;  ///< bound on the score of every shift within
+};
+
+class Search {
+public:
+  Search(const LikelihoodPyramid& pyramid,
+         const std::vector<Eigen::Vector2f>& points,
+         const Pose2& centre,
+         const SearchWindow& window)
+      : pyramid_(pyramid), centre_(centre), window_(window) {
+    const int angle_steps = static_cast<int>(std::ceil(window.angle_rad / window.angle_step_rad));
+    for (int step = -angle_steps; step <= angle_steps; ++step)
+      addAngle(points, step * window.angle_step_rad);
+    reach_ = static_cast<int>(std::ceil(window.distance_m / pyramid.resolution_m()));
+  }
+
+  std::optional<CorrelativeMatch> run(double min_score) {
+    best_.score = min_score;
+    descend(makeRoots());
+    if (!found_) return std::nullopt;
+    CorrelativeMatch match;
+    match.score = best_.score;
+    match.map_from_laser = {centre_.x_m + best_.shift.column * pyramid_.resolution_m(),
+                            centre_.y_m + best_.shift.row * pyramid_.resolution_m(),
+                            wrapAngle(centre_.yaw_rad + angles_rad_[best_.angle])};
+    return match;
+  }
+
+private:
+  void addAngle(const std::vector<Eigen::Vector2f>& points, double angle_rad) {
+    const Eigen::Matrix2f rotation =
+        Eigen::Rotation2Df(static_cast<float>(centre_.yaw_rad + angle_rad)).toRotationMatrix();
+    const Eigen::Vector2f shift = centre_.translation().cast<float>() - pyramid_.origin_m();
+    const auto cells_per_m = static_cast<float>(1.0 / pyramid_.resolution_m());
+    std::vector<Cell> cells;
+    cells.reserve(points.size());
+    for (const Eigen::Vector2f& point : points) {
+      const Eigen::Vector2f place = (rotation * point + shift) * cells_per_m;
+      cells.push_back(
+          {static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y()))});
+    }
+    angles_rad_.push_back(angle_rad);
+    cells_of_angle_.push_back(std::move(cells));
+  }
+
+  double score(std::size_t angle, int level, Cell shift) const {
+    const LikelihoodPyramid::Level& grid = pyramid_.levels()[static_cast<std::size_t>(level)];
+    unsigned sum = 0;
+    for (const Cell& cell : cells_of_angle_[angle]) {
+      sum += grid.at((cell.column + shift.column) >> level, (cell.row + shift.row) >> level);
+    }
+    return sum / (255.0 * static_cast<double>(cells_of_angle_[angle].size()));
+  }
+
+  std::vector<Node> makeRoots() const {
+    const int level = static_cast<int>(pyramid_.levels().size()) - 1;
+    const int step = 1 << level;
+    std::vector<Node> roots;
+    for (std::size_t angle = 0; angle < angles_rad_.size(); ++angle) {
+      for (int row = -reach_; row <= reach_; row += step) {
+        for (int column = -reach_; column <= reach_; column += step) {
+          roots.push_back({angle, level, {column, row}, score(angle, level, {column, row})});
+        }
+      }
+    }
+    return roots;
+  }
+
+  /// Depth first, the most promising first; equal scores in order of creation.
+  void descend(std::vector<Node> nodes) {
+    std::stable_sort(nodes.begin(), nodes.end(),
+                     [](const Node& a, const Node& b) { return a.score > b.score; });
+    for (const Node& node : nodes) {
+      if (node.score <= best_.score) return;
+      if (node.level == 0) {
+        best_ = node;
+        found_ = true;
+        return;
+      }
+      descend(split(node));
+    }
+  }
+
+  std::vector<Node> split(const Node& node) const {
+    const int level = node.level - 1;
+    const int half = 1 << level;
+    std::vector<Node> parts;
+    for (const int row : {node.shift.row, node.shift.row + half}) {
+      for (const int column : {node.shift.column, node.shift.column + half}) {
+        if (row > reach_ || column > reach_) continue;
+        const double bound = score(node.angle, level, {column, row});
+        if (bound > best_.score) parts.push_back({node.angle, level, {column, row}, bound});
+      }
+    }
+    return parts;
+  }
+
+  const LikelihoodPyramid& pyramid_;
+  Pose2 centre_;
+  SearchWindow window_;
+  int reach_ = 0;
+  std::vector<double> angles_rad_;
+  std::vector<std::vector<Cell>> cells_of_angle_;
+  Node best_;
+  bool found_ = false;
+};
+
+}  // namespace
+
+LikelihoodPyramid::LikelihoodPyramid(const std::vector<Eigen::Vector2f>& points_in_map,
+                                     double resolution_m,
+                                     double deviation_m,
+                                     int levels)
+    : resolution_m_(resolution_m) {
+  const int radius = static_cast<int>(std::ceil(2.5 * deviation_m / resolution_m));
+  Eigen::Vector2f low = points_in_map.front();
+  Eigen::Vector2f high = low;
+  for (const Eigen::Vector2f& point : points_in_map) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  const auto cell_m = static_cast<float>(resolution_m);
+  // The coarsest cell to the left of the first must have nothing to bound.
+  const int margin = radius + (1 << (levels - 1));
+  origin_m_ = low.array() - cell_m * static_cast<float>(margin);
+  Level fine;
+  fine.columns = static_cast<int>((high.x() - origin_m_.x()) / cell_m) + radius + 2;
+  fine.rows = static_cast<int>((high.y() - origin_m_.y()) / cell_m) + radius + 2;
+  fine.cells.resize(static_cast<std::size_t>(fine.columns) * static_cast<std::size_t>(fine.rows));
+  const std::vector<std::uint8_t> kernel = makeKernel(radius, deviation_m / resolution_m);
+  for (const Eigen::Vector2f& point : points_in_map) {
+    const int column = static_cast<int>((point.x() - origin_m_.x()) / cell_m);
+    const int row = static_cast<int>((point.y() - origin_m_.y()) / cell_m);
+    std::size_t k = 0;
+    for (int r = row - radius; r <= row + radius; ++r) {
+      for (int c = column - radius; c <= column + radius; ++c, ++k) {
+        auto& cell =
+            fine.cells[static_cast<std::size_t>(r) * static_cast<std::size_t>(fine.columns) +
+                       static_cast<std::size_t>(c)];
+        cell = std::max(cell, kernel[k]);
+      }
+    }
+  }
+  levels_.push_back(std::move(fine));
+  for (int level = 1; level < levels; ++level) levels_.push_back(coarsen(levels_.back()));
+}
+
+std::optional<CorrelativeMatch> searchPose(const LikelihoodPyramid& pyramid,
+                                           const std::vector<Eigen::Vector2f>& points_in_laser,
+                                           const Pose2& map_from_laser_centre,
+                                           const SearchWindow& window,
+                                           double min_score) {
+  if (points_in_laser.empty()) return std::nullopt;
+  return Search(pyramid, points_in_laser, map_from_laser_centre, window).run(min_score);
+}
+
+}  // namespace ram_slam

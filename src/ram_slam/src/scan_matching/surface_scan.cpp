@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/scan_matching/surface_scan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace ram_slam {
+namespace {
+
+constexpr float kMaxGapInBeams =
+    4.0F;  // of the distance that neighbouring beams have on a facing wall
+constexpr int kMinLinePoints = 4;
+constexpr double kMinElongation =
+    3.0;  // of the neighbours along their line, in deviations across it
+
+void require(bool good, const char* name, double value, const char* bound) {
+  if (!good)
+    throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
+                                std::to_string(value));
+}
+
+struct Sums {
+  double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+
+  void add(const SurfacePoint& point, const SurfacePoint& origin) {
+    const double dx = point.x_m - origin.x_m;
+    const double dy = point.y_m - origin.y_m;
+    count += 1.0;
+    x += dx;
+    y += dy;
+    xx += dx * dx;
+    xy += dx * dy;
+    yy += dy * dy;
+  }
+};
+
+float squaredDistance(const SurfacePoint& a, const SurfacePoint& b) {
+  const float dx = a.x_m - b.x_m;
+  const float dy = a.y_m - b.y_m;
+  return dx * dx + dy * dy;
+}
+
+/// The neighbours of a point, itself included, as far as they follow each other without a gap.
+Sums sumNeighbours(const std::vector<SurfacePoint>& ends,
+                   std::size_t index,
+                   float max_gap_m,
+                   int neighbour_count) {
+  const float max_squared_gap = max_gap_m * max_gap_m;
+  Sums sums;
+  sums.add(ends[index], ends[index]);
+  for (std::size_t i = index; i + 1 < ends.size() && i < index + neighbour_count; ++i) {
+    if (squaredDistance(ends[i], ends[i + 1]) > max_squared_gap) break;
+    sums.add(ends[i + 1], ends[index]);
+  }
+  for (std::size_t i = index; i > 0 && i + neighbour_count > index; --i) {
+    if (squaredDistance(ends[i], ends[i - 1]) > max_squared_gap) break;
+    sums.add(ends[i - 1], ends[index]);
+  }
+  return sums;
+}
+
+/// The point on the line of least squares through its neighbours, with the line's normal; the bare
+/// point if they do not lie on a line.
+SurfacePoint fitLine(const SurfacePoint& end, const Sums& sums, double max_deviation_m) {
+  if (sums.count < kMinLinePoints) return end;
+  const double mean_x = sums.x / sums.count;
+  const double mean_y = sums.y / sums.count;
+  const double xx = sums.xx / sums.count - mean_x * mean_x;
+  const double xy = sums.xy / sums.count - mean_x * mean_y;
+  const double yy = sums.yy / sums.count - mean_y * mean_y;
+  const double half_difference = std::hypot(0.5 * (xx - yy), xy);
+  const double along = 0.5 * (xx + yy) + half_difference;
+  const double across = std::max(0.0, 0.5 * (xx + yy) - half_difference);
+  const bool is_line = across <= max_deviation_m * max_deviation_m &&
+                       along >= kMinElongation * kMinElongation * across;
+  if (!is_line || along <= 0.0) return end;
+
+  const double direction_rad = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  double normal_x = -std::sin(direction_rad);
+  double normal_y = std::cos(direction_rad);
+  if (normal_x * end.x_m + normal_y * end.y_m > 0.0) {
+    normal_x = -normal_x;
+    normal_y = -normal_y;
+  }
+  const double offset = normal_x * mean_x + normal_y * mean_y;
+  SurfacePoint point;
+  point.x_m = static_cast<float>(end.x_m + offset * normal_x);
+  point.y_m = static_cast<float>(end.y_m + offset * normal_y);
+  point.normal_x = static_cast<float>(normal_x);
+  point.normal_y = static_cast<float>(normal_y);
+  return point;
+}
+
+}  // namespace
+
+void SurfaceParameters::validate() const {
+  require(neighbour_count >= 2 && neighbour_count <= 100, "neighbour_count", neighbour_count,
+          "in [2, 100]");
+  require(max_gap_m > 0.0, "max_gap_m", max_gap_m, "> 0");
+  require(max_line_deviation_m > 0.0, "max_line_deviation_m", max_line_deviation_m, "> 0");
+  require(max_range_m > 0.0, "max_range_m", max_range_m, "> 0");
+}
+
+SurfaceScan extractSurfaces(const LaserScan& scan, const SurfaceParameters& parameters) {
+  scan.validate();
+  SurfaceScan surfaces;
+  surfaces.angle_min_rad = scan.angle_min_rad;
+  surfaces.angle_increment_rad = scan.angle_increment_rad;
+  surfaces.point_of_beam.reserve(scan.ranges_m.size());
+  std::vector<SurfacePoint> ends;
+  std::vector<float> max_gaps_m;
+  ends.reserve(scan.ranges_m.size());
+  max_gaps_m.reserve(scan.ranges_m.size());
+  const auto beam_gap = kMaxGapInBeams * static_cast<float>(std::abs(scan.angle_increment_rad));
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    surfaces.point_of_beam.push_back(static_cast<std::int32_t>(ends.size()));
+    if (scan.at(beam) != Return::kHit || scan.ranges_m[beam] > parameters.max_range_m) continue;
+    const Eigen::Vector2f end = scan.end_m(beam).cast<float>();
+    ends.push_back({end.x(), end.y(), 0.0F, 0.0F});
+    max_gaps_m.push_back(
+        std::max(static_cast<float>(parameters.max_gap_m), beam_gap * scan.ranges_m[beam]));
+  }
+  surfaces.points.reserve(ends.size());
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const Sums sums = sumNeighbours(ends, i, max_gaps_m[i], parameters.neighbour_count);
+    surfaces.points.push_back(fitLine(ends[i], sums, parameters.max_line_deviation_m));
+  }
+  return surfaces;
+}
+
+}  // namespace ram_slam

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/scan_matching/laser_odometry.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/LU>
+#include <gmock/gmock.h>
+
+#include "walls.hpp"
+
+namespace ram_slam {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr std::int64_t kStepNs = 100000000;
+const Pose2 kMount{0.2, -0.05, 0.1};
+
+/// An L-shaped room with a pillar: every direction is held by some wall.
+Walls room() {
+  return outline({{-4, -3}, {6, -3}, {6, 2}, {2, 2}, {2, 5}, {-4, 5}}) +
+         rectangle(3.0, -1.0, 3.5, -0.5);
+}
+
+Walls corridor() {
+  return {{{-100, -1}, {100, -1}}, {{-100, 1}, {100, 1}}};
+}
+
+/// Step i of a drive about the room that turns and advances.
+Pose2 drive(int step) {
+  const double s = 0.05 * step;
+  return {-1.0 + 0.8 * std::sin(0.7 * s), 0.5 * std::sin(1.1 * s), 0.9 * std::sin(0.5 * s)};
+}
+
+Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
+  return {a.x_m - b.x_m, a.y_m - b.y_m, wrapAngle(a.yaw_rad - b.yaw_rad)};
+}
+
+/// The last estimate of a drive along `truth(i)`, the wheels saying `wheels(i)`.
+template <typename Truth, typename Wheels>
+LaserOdometryEstimate run(const Walls& walls,
+                          int steps,
+                          const Truth& truth,
+                          const Wheels& wheels,
+                          const TestLaser& laser = {}) {
+  LaserOdometry odometry{LaserOdometryParameters()};
+  LaserOdometryEstimate estimate;
+  for (int i = 0; i < steps; ++i) {
+    const LaserScan scan = scanWalls(walls, truth(i) * kMount, (i + 1) * kStepNs, laser);
+    estimate = odometry.update(scan, kMount, wheels(i));
+  }
+  return estimate;
+}
+
+TEST(LaserOdometry, RecoversAMotionFromExactScansWithinAMillimetreWithoutWheels) {
+  const auto no_wheels = [](int) { return std::optional<Pose2>(); };
+  constexpr int kSteps = 60;
+  const LaserOdometryEstimate last = run(room(), kSteps, drive, no_wheels);
+  const Pose2 truth = drive(0).inverse() * drive(kSteps - 1);
+  const Eigen::Vector3d error = difference(last.odom_from_base.pose, truth);
+  EXPECT_LT(error.head<2>().norm(), 1e-3);
+  EXPECT_LT(std::abs(error.z()), 5e-4);
+}
+
+TEST(LaserOdometry, StartsWhereTheWheelsAre) {
+  LaserOdometry odometry{LaserOdometryParameters()};
+  const Pose2 start{3.0, 4.0, 1.0};
+  const LaserOdometryEstimate first =
+      odometry.update(scanWalls(room(), drive(0) * kMount, 1), kMount, start);
+  EXPECT_EQ(first.odom_from_base.pose.x_m, 3.0);
+  EXPECT_EQ(first.odom_from_base.covariance.norm(), 0.0);
+}
+
+TEST(LaserOdometry, BelievesTheScansWhereTheWheelsSlip) {
+  // From step 30 to 34 the wheels report 0.5 m and 0.4 rad that never happened.
+  const auto slipping = [](int i) {
+    const double slip = std::clamp((i - 30) / 4.0, 0.0, 1.0);
+    return std::optional<Pose2>(Pose2{0.5 * slip, 0.0, 0.4 * slip} * drive(i));
+  };
+  const LaserOdometryEstimate last = run(room(), 60, drive, slipping);
+  const Eigen::Vector3d error = difference(last.odom_from_base.pose, drive(59));
+  EXPECT_LT(error.head<2>().norm(), 4e-3);
+  EXPECT_LT(std::abs(error.z()), 2e-3);
+}
+
+TEST(LaserOdometry, ReportsTheSlip) {
+  bool slipped_before = false;
+  bool slipped_after = false;
+  LaserOdometry odometry{LaserOdometryParameters()};
+  for (int i = 0; i < 20; ++i) {
+    const Pose2 wheels = i < 10 ? drive(i) : Pose2{0.3, 0.0, 0.2} * drive(i);
+    const LaserScan scan = scanWalls(room(), drive(i) * kMount, (i + 1) * kStepNs);
+    const bool slipped = odometry.update(scan, kMount, wheels).wheels_slipped;
+    (i < 10 ? slipped_before : slipped_after) |= slipped;
+  }
+  EXPECT_FALSE(slipped_before);
+  EXPECT_TRUE(slipped_after);
+}
+
+TEST(LaserOdometry, FollowsTheWheelsAlongACorridorAndSaysThatItDoes) {
+  TestLaser laser;
+  laser.range_deviation_m = 0.01;
+  const auto truth = [](int i) { return Pose2{0.05 * i, 0.0, 0.0}; };
+  const auto wheels = [&](int i) { return std::optional<Pose2>(truth(i)); };
+  const LaserOdometryEstimate last = run(corridor(), 100, truth, wheels, laser);
+  EXPECT_NEAR(last.odom_from_base.pose.x_m, truth(99).x_m, 0.05);
+  EXPECT_NEAR(last.odom_from_base.pose.y_m, 0.0, 0.02);
+  // Along: the wheels alone. Across: held by the walls.
+  const LaserOdometryParameters defaults;
+  const double wheels_m =
+      defaults.wheel_rest_deviation_m + defaults.wheel_distance_deviation_m_per_m * 0.05;
+  EXPECT_NEAR(std::sqrt(last.motion.covariance(0, 0)), wheels_m, 0.1 * wheels_m);
+  EXPECT_GT(last.motion.covariance(0, 0), 5.0 * last.motion.covariance(1, 1));
+}
+
+TEST(LaserOdometry, CarriesOnWithTheWheelsWhenNothingIsInSight) {
+  const auto truth = [](int i) { return Pose2{0.1 * i, 0.0, 0.01 * i}; };
+  const LaserOdometryEstimate last =
+      run({}, 50, truth, [&](int i) { return std::optional<Pose2>(truth(i)); });
+  EXPECT_LT(difference(last.odom_from_base.pose, truth(49)).norm(), 1e-9);
+  EXPECT_EQ(last.inlier_ratio, 0.0);
+}
+
+TEST(LaserOdometry, CovarianceCoversTheErrorOfNoisyScans) {
+  TestLaser laser;
+  laser.range_deviation_m = 0.02;
+  const auto wheels = [](int i) { return std::optional<Pose2>(drive(i)); };
+  const LaserOdometryEstimate last = run(room(), 100, drive, wheels, laser);
+  const Eigen::Vector3d error = difference(last.odom_from_base.pose, drive(99));
+  // chi2 of 3 degrees of freedom, 99.9 %.
+  EXPECT_LT(error.dot(last.odom_from_base.covariance.inverse() * error), 16.3);
+}
+
+TEST(LaserOdometry, SameInputGivesTheSameBits) {
+  const auto wheels = [](int i) { return std::optional<Pose2>(drive(i)); };
+  TestLaser laser;
+  laser.range_deviation_m = 0.02;
+  const LaserOdometryEstimate a = run(room(), 30, drive, wheels, laser);
+  const LaserOdometryEstimate b = run(room(), 30, drive, wheels, laser);
+  EXPECT_EQ(difference(a.odom_from_base.pose, b.odom_from_base.pose).norm(), 0.0);
+  EXPECT_EQ(a.odom_from_base.covariance, b.odom_from_base.covariance);
+}
+
+TEST(LaserOdometry, RefusesWhatItCannotUseAndGoesOnAsIfItHadNotCome) {
+  LaserOdometry with_bad{LaserOdometryParameters()};
+  LaserOdometry without{LaserOdometryParameters()};
+  for (int i = 0; i < 3; ++i) {
+    const LaserScan scan = scanWalls(room(), drive(i) * kMount, (i + 1) * kStepNs);
+    with_bad.update(scan, kMount, drive(i));
+    without.update(scan, kMount, drive(i));
+    EXPECT_THAT([&] { with_bad.update(scan, kMount, drive(i)); },
+                ThrowsMessage<std::invalid_argument>(HasSubstr("not later than the last")));
+    EXPECT_THROW(with_bad.update(LaserScan(), kMount, drive(i)), std::invalid_argument);
+    EXPECT_THROW(with_bad.update(scan, kMount, Pose2{NAN, 0, 0}), std::invalid_argument);
+  }
+  const LaserScan scan = scanWalls(room(), drive(3) * kMount, 4 * kStepNs);
+  EXPECT_EQ(with_bad.update(scan, kMount, drive(3)).odom_from_base.pose.x_m,
+            without.update(scan, kMount, drive(3)).odom_from_base.pose.x_m);
+}
+
+TEST(LaserOdometryParameters, RefuseValuesOutOfBounds) {
+  LaserOdometryParameters parameters;
+  parameters.reference_count = 0;
+  EXPECT_THAT([&] { LaserOdometry odometry(parameters); },
+              ThrowsMessage<std::invalid_argument>(
+                  HasSubstr("reference_count must be in [1, key_scan_count], got 0")));
+}
+
+}  // namespace
+}  // namespace ram_slam
