@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace ramscout_feature_detector {
+
+/// A straight line fitted to consecutive points by total least squares.
+struct LineFit {
+  int count = 0;
+  Eigen::Vector2d centroid_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d direction =
+      Eigen::Vector2d::UnitX();  ///< unit, from the first point towards the last
+  double spread_m2 = 0.0;        ///< sum of squared distances from the centroid along the line
+  double residual_m2 = 0.0;      ///< sum of squared distances from the line
+
+  /// Variance of one point's distance from the line [m^2]: measured, with the sensor's variance as
+  /// a prior that counts as much as four points.
+  double noiseVariance(double prior_m2) const;
+  /// Variance of the direction's angle [rad^2] for points of that noise.
+  double angleVariance(double noise_m2) const { return noise_m2 / spread_m2; }
+};
+
+/// Points of one connected surface in the order of the beams, in the laser's frame. Fitting a line
+/// to any run of them costs the same, whatever its length.
+class Contour {
+public:
+  /// \param points_m  at least two
+  /// \param closed  the surface goes all around and the points repeat its beginning: it has no ends
+  explicit Contour(std::vector<Eigen::Vector2d> points_m, bool closed = false);
+
+  std::size_t size() const { return points_m_.size(); }
+  const Eigen::Vector2d& operator[](std::size_t index) const { return points_m_[index]; }
+  const Eigen::Vector2d& front() const { return points_m_.front(); }
+  const Eigen::Vector2d& back() const { return points_m_.back(); }
+  bool closed() const { return closed_; }
+
+  /// Length of the contour up to a point [m], of the smoothed contour: noise lengthens the raw one.
+  double arc_m(std::size_t index) const { return arcs_m_[index]; }
+  double length_m() const { return arcs_m_.back(); }
+  /// The first point whose arc is not less than `arc_m`, at most the last point.
+  std::size_t indexAt(double arc_m) const;
+  /// The point nearest to a place.
+  std::size_t nearest(const Eigen::Vector2d& place_m) const;
+
+  /// Line through the points first..last, both included; needs last > first.
+  LineFit fit(std::size_t first, std::size_t last) const;
+
+private:
+  struct Sums {
+    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  };
+
+  std::vector<Eigen::Vector2d> points_m_;
+  std::vector<Sums> sums_;  ///< sums_[i]: of the points before i, relative to the first
+  std::vector<double> arcs_m_;
+  bool closed_;
+};
+
+}  // namespace ramscout_feature_detector

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "ram_slam/feature_matcher.hpp"
+
+namespace ramscout_feature_detector {
+
+/// Compares corners by their surroundings (PolarGrid).
+class CornerMatcher : public ram_slam::FeatureMatcher {
+public:
+  std::shared_ptr<const Descriptor> parse(const std::string& classifier) const override;
+
+  /// Within [-ln 20, ln 20]: a corner looks semi-unique, never more. 0 if too little is seen of
+  /// both.
+  double logLikelihoodRatio(const Descriptor& a, const Descriptor& b) const override;
+};
+
+}  // namespace ramscout_feature_detector

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "ram_slam/laser_scan.hpp"
+
+namespace ramscout_feature_detector {
+
+/// What one scan says about the surroundings of a corner: a polar grid centred on the corner whose
+/// axis is the corner's bisector. Text form "pg1:8x24:4.0:<64 base64 characters>", two bits a cell,
+/// ring by ring from the inside, sectors counter-clockwise from the bisector, first cell in the
+/// lowest bits.
+class PolarGrid {
+public:
+  static constexpr int kRings = 8;
+  static constexpr int kSectors = 24;
+  static constexpr int kCells = kRings * kSectors;
+  static constexpr double kInnerRadiusM = 0.05;
+  static constexpr double kOuterRadiusM = 4.0;
+
+  enum Cell : std::uint8_t { kUnknown = 0, kFree = 1, kMixed = 2, kOccupied = 3 };
+
+  /// What the scan says around a place in the laser's frame.
+  static PolarGrid around(const Eigen::Vector2d& place_m,
+                          double orientation_rad,
+                          const ram_slam::LaserScan& scan);
+
+  /// Nothing if the text is not a grid of this scheme and size.
+  static std::optional<PolarGrid> parse(const std::string& text);
+  std::string toString() const;
+
+  /// \param sector  any integer; counted round
+  Cell at(int ring, int sector) const {
+    return cells_[ring * kSectors + ((sector % kSectors) + kSectors) % kSectors];
+  }
+  void set(int ring, int sector, Cell cell) { cells_[ring * kSectors + sector] = cell; }
+
+private:
+  std::array<Cell, kCells> cells_{};
+};
+
+/// Mean squared difference of occupancy (0 free, 1/2 mixed, 1 occupied) over the cells known in
+/// both, for the best of the turns by -1, 0 and 1 sector; in [0, 1]. Nothing if fewer than a fifth
+/// of the cells are known in both.
+std::optional<double> distance(const PolarGrid& a, const PolarGrid& b);
+
+}  // namespace ramscout_feature_detector

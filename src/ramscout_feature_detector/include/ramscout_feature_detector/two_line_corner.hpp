@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ramscout_feature_detector/contour.hpp"
+#include "ramscout_feature_detector/parameters.hpp"
+
+namespace ramscout_feature_detector {
+
+/// A corner as the crossing of two fitted lines, in the frame of the contour.
+struct TwoLineCorner {
+  std::size_t split = 0;  ///< last point of the first leg
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();
+  double orientation_rad = 0.0;  ///< of the bisector of the two legs, pointing between them
+  double orientation_variance_rad2 = 0.0;
+  /// Share of the smaller eigenvalue of the legs' normals' tensor, 1/2 (1 - |cos(opening angle)|),
+  /// in [0, 1/2].
+  double cornerness = 0.0;
+  double significance = 0.0;  ///< chi square (1 dof) of "the legs are one straight line"
+};
+
+/// Indices on the contour where the directions before and after differ more than noise explains:
+/// the only places where the image function is worth evaluating. Deliberately generous.
+///
+/// The structure tensor of normals of Li & Olson (ICRA 2011), with the normals from lines fitted to
+/// the 0.1, 0.2 and 0.4 m on both sides.
+std::vector<std::size_t> findCandidates(const Contour& contour,
+                                        const FeatureDetectorParameters& parameters);
+
+/// The corner of two straight legs nearest to a place: first the best split of the contour around
+/// it, then the longest legs (0.1 to 0.8 m) that are straight, then their crossing with its
+/// covariance.
+///
+/// \return nothing if the contour there does not consist of two straight legs
+std::optional<TwoLineCorner> fitCorner(const Contour& contour,
+                                       std::size_t near_index,
+                                       const FeatureDetectorParameters& parameters);
+
+}  // namespace ramscout_feature_detector

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "markers.hpp"
+
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+namespace ramscout_feature_detector_ros {
+namespace {
+
+constexpr int kCircleSteps = 24;
+constexpr double kLineWidthM = 0.02;
+constexpr double kBisectorM = 0.3;
+
+geometry_msgs::Point toPoint(const Eigen::Vector2d& point_m) {
+  geometry_msgs::Point point;
+  point.x = point_m.x();
+  point.y = point_m.y();
+  return point;
+}
+
+visualization_msgs::Marker lines(const std_msgs::Header& header, const std::string& name) {
+  visualization_msgs::Marker marker;
+  marker.header = header;
+  marker.ns = name;
+  marker.type = visualization_msgs::Marker::LINE_LIST;
+  marker.pose.orientation.w = 1.0;
+  marker.scale.x = kLineWidthM;
+  marker.color.a = 1.0F;
+  return marker;
+}
+
+/// The image of the unit circle under an affine map, as line segments.
+void addEllipse(const Eigen::Vector2d& centre_m,
+                const Eigen::Matrix2d& axes_m,
+                visualization_msgs::Marker& marker) {
+  for (int i = 0; i < kCircleSteps; ++i) {
+    for (int end = 0; end < 2; ++end) {
+      const double angle_rad = 2.0 * M_PI * (i + end) / kCircleSteps;
+      marker.points.push_back(
+          toPoint(centre_m + axes_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad))));
+    }
+  }
+}
+
+}  // namespace
+
+visualization_msgs::MarkerArray toMarkers(
+    const ram_slam::FeatureList& list,
+    const ramscout_feature_detector::FeatureDetector::Analysis& analysis,
+    const ram_slam::Pose2& base_from_laser,
+    double occlude_limit_m,
+    const std_msgs::Header& header) {
+  visualization_msgs::Marker ellipses = lines(header, "one_sigma");
+  ellipses.color.r = 1.0F;
+  visualization_msgs::Marker bisectors = lines(header, "bisectors");
+  bisectors.color.g = 1.0F;
+  for (const ram_slam::Feature& feature : list.features) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(feature.covariance_m2);
+    addEllipse(feature.position_m, solver.operatorSqrt(), ellipses);
+    bisectors.points.push_back(toPoint(feature.position_m));
+    bisectors.points.push_back(toPoint(
+        feature.position_m + kBisectorM * Eigen::Vector2d(std::cos(feature.orientation_rad),
+                                                          std::sin(feature.orientation_rad))));
+  }
+  visualization_msgs::Marker excluded = lines(header, "excluded");
+  excluded.color.b = 1.0F;
+  const Eigen::Matrix2d circle = occlude_limit_m * Eigen::Matrix2d::Identity();
+  for (const auto& contour : analysis.contours) {
+    if (contour.closed()) continue;
+    addEllipse(base_from_laser * contour.front(), circle, excluded);
+    addEllipse(base_from_laser * contour.back(), circle, excluded);
+  }
+  visualization_msgs::MarkerArray markers;
+  for (visualization_msgs::Marker* marker : {&ellipses, &bisectors, &excluded}) {
+    if (marker->points.empty()) marker->action = visualization_msgs::Marker::DELETE;
+    markers.markers.push_back(*marker);
+  }
+  return markers;
+}
+
+}  // namespace ramscout_feature_detector_ros

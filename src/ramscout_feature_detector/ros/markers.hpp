@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <std_msgs/Header.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include "ram_slam/feature.hpp"
+#include "ram_slam/pose2.hpp"
+#include "ramscout_feature_detector/feature_detector.hpp"
+
+namespace ramscout_feature_detector_ros {
+
+/// Features as one-sigma ellipses with their bisectors; the regions around surfaces' ends, where no
+/// feature is accepted, as circles. Replaces the markers of the scan before.
+visualization_msgs::MarkerArray toMarkers(
+    const ram_slam::FeatureList& list,
+    const ramscout_feature_detector::FeatureDetector::Analysis& analysis,
+    const ram_slam::Pose2& base_from_laser,
+    double occlude_limit_m,
+    const std_msgs::Header& header);
+
+}  // namespace ramscout_feature_detector_ros

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_feature_detector/contour.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ramscout_feature_detector {
+namespace {
+
+constexpr double kPriorPoints = 4.0;
+constexpr std::size_t kSmoothingHalfWidth = 4;
+constexpr double kSmallestSpreadM2 = 1e-12;
+
+}  // namespace
+
+double LineFit::noiseVariance(double prior_m2) const {
+  return (kPriorPoints * prior_m2 + residual_m2) / (kPriorPoints + std::max(count - 2, 0));
+}
+
+Contour::Contour(std::vector<Eigen::Vector2d> points_m, bool closed)
+    : points_m_(std::move(points_m)),
+      sums_(points_m_.size() + 1),
+      arcs_m_(points_m_.size()),
+      closed_(closed) {
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Eigen::Vector2d p = points_m_[i] - points_m_[0];
+    const Sums& s = sums_[i];
+    sums_[i + 1] = {s.x + p.x(), s.y + p.y(), s.xx + p.x() * p.x(), s.xy + p.x() * p.y(),
+                    s.yy + p.y() * p.y()};
+  }
+  const auto smoothed = [this](std::size_t i) -> Eigen::Vector2d {
+    const std::size_t half = std::min({kSmoothingHalfWidth, i, size() - 1 - i});
+    const Sums& from = sums_[i - half];
+    const Sums& to = sums_[i + half + 1];
+    return Eigen::Vector2d(to.x - from.x, to.y - from.y) / static_cast<double>(2 * half + 1);
+  };
+  Eigen::Vector2d previous = smoothed(0);
+  for (std::size_t i = 1; i < size(); ++i) {
+    const Eigen::Vector2d current = smoothed(i);
+    arcs_m_[i] = arcs_m_[i - 1] + (current - previous).norm();
+    previous = current;
+  }
+}
+
+std::size_t Contour::indexAt(double arc_m) const {
+  const auto found = std::lower_bound(arcs_m_.begin(), arcs_m_.end(), arc_m);
+  return std::min(static_cast<std::size_t>(found - arcs_m_.begin()), size() - 1);
+}
+
+std::size_t Contour::nearest(const Eigen::Vector2d& place_m) const {
+  std::size_t best = 0;
+  double best_m2 = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < size(); ++i) {
+    const double m2 = (points_m_[i] - place_m).squaredNorm();
+    if (m2 < best_m2) {
+      best_m2 = m2;
+      best = i;
+    }
+  }
+  return best;
+}
+
+LineFit Contour::fit(std::size_t first, std::size_t last) const {
+  const Sums& from = sums_[first];
+  const Sums& to = sums_[last + 1];
+  LineFit line;
+  line.count = static_cast<int>(last - first + 1);
+  const double n = line.count;
+  const double mean_x = (to.x - from.x) / n;
+  const double mean_y = (to.y - from.y) / n;
+  const double xx = to.xx - from.xx - n * mean_x * mean_x;
+  const double xy = to.xy - from.xy - n * mean_x * mean_y;
+  const double yy = to.yy - from.yy - n * mean_y * mean_y;
+  const double difference = std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy);
+  line.centroid_m = points_m_[0] + Eigen::Vector2d(mean_x, mean_y);
+  line.spread_m2 = std::max(0.5 * (xx + yy + difference), kSmallestSpreadM2);
+  line.residual_m2 = std::max(0.5 * (xx + yy - difference), 0.0);
+  Eigen::Vector2d axis = xx >= yy ? Eigen::Vector2d(xx - yy + difference, 2.0 * xy)
+                                  : Eigen::Vector2d(2.0 * xy, yy - xx + difference);
+  if (axis.dot(points_m_[last] - points_m_[first]) < 0.0) axis = -axis;
+  const double norm = axis.norm();
+  if (norm > 0.0) line.direction = axis / norm;
+  return line;
+}
+
+}  // namespace ramscout_feature_detector

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_feature_detector/polar_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ram_slam/pose2.hpp"
+
+namespace ramscout_feature_detector {
+namespace {
+
+constexpr const char* kPrefix = "pg1:8x24:4.0:";
+constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr int kCellsPerDigit = 3;
+constexpr int kDigitCount = PolarGrid::kCells / kCellsPerDigit;
+
+constexpr int kSamplesPerSide = 2;
+constexpr double kSurfaceM = 0.08;
+constexpr double kFreeBelow = 0.2;
+constexpr double kMixedBelow = 0.6;
+constexpr int kLeastCommonCells = PolarGrid::kCells / 5;
+
+/// Sample points of all cells relative to a corner at the origin with its bisector along x, cell by
+/// cell.
+struct Samples {
+  std::array<Eigen::Vector2d, PolarGrid::kCells * kSamplesPerSide * kSamplesPerSide> points_m;
+  std::array<double, PolarGrid::kRings> half_pitch_m;
+};
+
+Samples makeSamples() {
+  Samples samples;
+  const double ring_m = (PolarGrid::kOuterRadiusM - PolarGrid::kInnerRadiusM) / PolarGrid::kRings;
+  std::size_t next = 0;
+  for (int ring = 0; ring < PolarGrid::kRings; ++ring) {
+    samples.half_pitch_m[ring] = 0.5 * ring_m / kSamplesPerSide;
+    for (int sector = 0; sector < PolarGrid::kSectors; ++sector) {
+      for (int i = 0; i < kSamplesPerSide * kSamplesPerSide; ++i) {
+        const double radius_m = PolarGrid::kInnerRadiusM +
+                                ring_m * (ring + (i / kSamplesPerSide + 0.5) / kSamplesPerSide);
+        const double angle_rad = 2.0 * M_PI / PolarGrid::kSectors *
+                                 (sector + (i % kSamplesPerSide + 0.5) / kSamplesPerSide - 0.5);
+        samples.points_m[next++] =
+            radius_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+      }
+    }
+  }
+  return samples;
+}
+
+const Samples& samplePoints() {
+  static const Samples samples = makeSamples();
+  return samples;
+}
+
+/// What one scan says about one place.
+enum class Vote { kNone, kFree, kOccupied };
+
+Vote vote(const Eigen::Vector2d& place_m, double half_pitch_m, const ram_slam::LaserScan& scan) {
+  const double bearing_rad = std::atan2(place_m.y(), place_m.x());
+  const double turn = 2.0 * M_PI / scan.angle_increment_rad;
+  double beam = std::round((bearing_rad - scan.angle_min_rad) / scan.angle_increment_rad);
+  const auto count = static_cast<double>(scan.ranges_m.size());
+  if (!(beam >= 0.0 && beam < count)) {
+    beam -= std::round(turn) * std::floor(beam / std::round(turn));  // another turn, same direction
+    if (!(beam >= 0.0 && beam < count)) return Vote::kNone;
+  }
+  const auto index = static_cast<std::size_t>(beam);
+  const double range_m = place_m.norm();
+  switch (scan.at(index)) {
+    case ram_slam::Return::kHit: {
+      const double beyond_m = range_m - scan.ranges_m[index];
+      if (std::abs(beyond_m) < std::max(kSurfaceM, half_pitch_m)) return Vote::kOccupied;
+      return beyond_m < 0.0 ? Vote::kFree : Vote::kNone;
+    }
+    case ram_slam::Return::kNothing:
+      return range_m < scan.range_max_m ? Vote::kFree : Vote::kNone;
+    default:
+      return Vote::kNone;
+  }
+}
+
+PolarGrid::Cell cellOf(int free_votes, int occupied_votes) {
+  if (free_votes + occupied_votes == 0) return PolarGrid::kUnknown;
+  const double occupied = static_cast<double>(occupied_votes) / (free_votes + occupied_votes);
+  if (occupied < kFreeBelow) return PolarGrid::kFree;
+  return occupied < kMixedBelow ? PolarGrid::kMixed : PolarGrid::kOccupied;
+}
+
+}  // namespace
+
+PolarGrid PolarGrid::around(const Eigen::Vector2d& place_m,
+                            double orientation_rad,
+                            const ram_slam::LaserScan& scan) {
+  const ram_slam::Pose2 laser_from_corner{place_m.x(), place_m.y(), orientation_rad};
+  const Eigen::Matrix2d rotation = laser_from_corner.rotation();
+  const Samples& samples = samplePoints();
+  PolarGrid grid;
+  std::size_t next = 0;
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int sector = 0; sector < kSectors; ++sector) {
+      int free_votes = 0;
+      int occupied_votes = 0;
+      for (int i = 0; i < kSamplesPerSide * kSamplesPerSide; ++i) {
+        const Eigen::Vector2d sample_m = place_m + rotation * samples.points_m[next++];
+        const Vote said = vote(sample_m, samples.half_pitch_m[ring], scan);
+        free_votes += said == Vote::kFree ? 1 : 0;
+        occupied_votes += said == Vote::kOccupied ? 1 : 0;
+      }
+      grid.set(ring, sector, cellOf(free_votes, occupied_votes));
+    }
+  }
+  return grid;
+}
+
+std::string PolarGrid::toString() const {
+  std::string text = kPrefix;
+  for (int digit = 0; digit < kDigitCount; ++digit) {
+    const Cell* cell = cells_.data() + kCellsPerDigit * digit;
+    text += kDigits[cell[0] | cell[1] << 2 | cell[2] << 4];
+  }
+  return text;
+}
+
+std::optional<PolarGrid> PolarGrid::parse(const std::string& text) {
+  static const std::string prefix = kPrefix;
+  static const std::string digits = kDigits;
+  if (text.size() != prefix.size() + kDigitCount || text.compare(0, prefix.size(), prefix) != 0) {
+    return std::nullopt;
+  }
+  PolarGrid grid;
+  for (int digit = 0; digit < kDigitCount; ++digit) {
+    const std::size_t value = digits.find(text[prefix.size() + digit]);
+    if (value == std::string::npos) return std::nullopt;
+    for (int i = 0; i < kCellsPerDigit; ++i) {
+      grid.cells_[kCellsPerDigit * digit + i] = static_cast<Cell>(value >> (2 * i) & 3U);
+    }
+  }
+  return grid;
+}
+
+std::optional<double> distance(const PolarGrid& a, const PolarGrid& b) {
+  std::optional<double> best;
+  for (int shift = -1; shift <= 1; ++shift) {
+    int common = 0;
+    double sum = 0.0;
+    for (int ring = 0; ring < PolarGrid::kRings; ++ring) {
+      for (int sector = 0; sector < PolarGrid::kSectors; ++sector) {
+        const int state_a = a.at(ring, sector);
+        const int state_b = b.at(ring, sector + shift);
+        if (state_a == PolarGrid::kUnknown || state_b == PolarGrid::kUnknown) continue;
+        ++common;
+        sum += 0.25 * (state_a - state_b) * (state_a - state_b);
+      }
+    }
+    if (common < kLeastCommonCells) continue;
+    const double mean = sum / common;
+    if (!best || mean < *best) best = mean;
+  }
+  return best;
+}
+
+}  // namespace ramscout_feature_detector

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_feature_detector/segmentation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ramscout_feature_detector {
+namespace {
+
+constexpr std::size_t kSmallestPointCount = 5;
+constexpr std::size_t kLongestBridgedBeams = 2;
+constexpr double kMostGrazingRad = 10.0 * M_PI / 180.0;
+constexpr double kLoneReadingM = 0.3;
+constexpr double kLargestRangeM = 1000.0;
+
+struct Hit {
+  std::size_t beam;
+  double range_m;
+  Eigen::Vector2d point_m;
+  bool connected;  ///< to the hit before it, by beams: nothing invalid or empty lies between
+};
+
+/// Readings far in range from both neighbours lie on no surface: an edge hit by half a beam, or
+/// noise.
+bool isLone(const ram_slam::LaserScan& scan, std::size_t beam) {
+  if (beam == 0 || beam + 1 == scan.ranges_m.size()) return false;
+  if (scan.at(beam - 1) != ram_slam::Return::kHit || scan.at(beam + 1) != ram_slam::Return::kHit) {
+    return false;
+  }
+  const float range_m = scan.ranges_m[beam];
+  return std::abs(range_m - scan.ranges_m[beam - 1]) > kLoneReadingM &&
+         std::abs(range_m - scan.ranges_m[beam + 1]) > kLoneReadingM;
+}
+
+std::vector<Hit> surfaceHits(const ram_slam::LaserScan& scan) {
+  std::vector<Hit> hits;
+  hits.reserve(scan.ranges_m.size());
+  bool connected = false;
+  std::size_t bridged = 0;
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    if (scan.at(beam) != ram_slam::Return::kHit || scan.ranges_m[beam] > kLargestRangeM) {
+      connected = false;
+    } else if (isLone(scan, beam)) {
+      connected = connected && ++bridged <= kLongestBridgedBeams;
+    } else {
+      hits.push_back({beam, scan.ranges_m[beam], scan.end_m(beam), connected});
+      connected = true;
+      bridged = 0;
+    }
+  }
+  return hits;
+}
+
+/// The largest distance between neighbours on one surface.
+double largestGap(const Hit& before,
+                  double angle_rad,
+                  const FeatureDetectorParameters& parameters) {
+  const double grazing_rad = std::max(kMostGrazingRad, 2.0 * angle_rad);
+  const double adaptive_m =
+      before.range_m * std::sin(angle_rad) / std::sin(grazing_rad - angle_rad) +
+      3.0 * parameters.laser_range_sigma;
+  return std::max(parameters.distance_threshold, adaptive_m);
+}
+
+bool onOneSurface(const Hit& before,
+                  const Hit& after,
+                  double angle_rad,
+                  const FeatureDetectorParameters& parameters) {
+  return (after.point_m - before.point_m).norm() <= largestGap(before, angle_rad, parameters);
+}
+
+using Points = std::vector<Eigen::Vector2d>;
+
+/// Repeats the beginning of a surface that goes all around, so that nothing on it lies near an end.
+void overlapSeam(Points& points, double overlap_m) {
+  const std::size_t count = points.size();
+  double length_m = 0.0;
+  for (std::size_t i = 0; i < count && length_m < overlap_m; ++i) {
+    const Eigen::Vector2d next = points[i];
+    length_m += (next - points.back()).norm();
+    points.push_back(next);
+  }
+}
+
+}  // namespace
+
+std::vector<Contour> splitIntoContours(const ram_slam::LaserScan& scan,
+                                       const FeatureDetectorParameters& parameters) {
+  const std::vector<Hit> hits = surfaceHits(scan);
+  if (hits.empty()) return {};
+  const double increment_rad = std::abs(scan.angle_increment_rad);
+
+  std::vector<Points> surfaces;
+  bool closed = false;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const bool continues =
+        i > 0 && hits[i].connected &&
+        onOneSurface(hits[i - 1], hits[i],
+                     increment_rad * static_cast<double>(hits[i].beam - hits[i - 1].beam),
+                     parameters);
+    if (!continues) surfaces.emplace_back();
+    surfaces.back().push_back(hits[i].point_m);
+  }
+
+  const auto beam_count = static_cast<double>(scan.ranges_m.size());
+  const bool full_turn = beam_count * increment_rad > 2.0 * M_PI - 1.5 * increment_rad;
+  const bool both_ends_hit = hits.front().beam == 0 && hits.back().beam + 1 == scan.ranges_m.size();
+  if (full_turn && both_ends_hit &&
+      onOneSurface(hits.back(), hits.front(), increment_rad, parameters)) {
+    closed = surfaces.size() == 1;
+    if (closed) {
+      overlapSeam(surfaces.front(), 2.0 * parameters.extrapolation_distance);
+    } else {
+      surfaces.back().insert(surfaces.back().end(), surfaces.front().begin(),
+                             surfaces.front().end());
+      surfaces.erase(surfaces.begin());
+    }
+  }
+
+  std::vector<Contour> contours;
+  for (Points& points : surfaces) {
+    if (points.size() < kSmallestPointCount) continue;
+    Contour contour(std::move(points), closed);
+    if (contour.length_m() >= 2.0 * parameters.occlude_limit) {
+      contours.push_back(std::move(contour));
+    }
+  }
+  return contours;
+}
+
+}  // namespace ramscout_feature_detector

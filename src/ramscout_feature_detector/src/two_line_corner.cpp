@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_feature_detector/two_line_corner.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/LU>
+
+namespace ramscout_feature_detector {
+namespace {
+
+constexpr std::array kScreenScalesM = {0.1, 0.2, 0.4};
+constexpr double kScreenCornernessShare = 0.6;
+constexpr double kScreenSignificanceShare = 0.5;
+constexpr double kScreenSpacingM = 0.1;
+constexpr std::size_t kSmallestLegPoints = 3;
+
+constexpr double kSplitWindowM = 0.2;
+constexpr int kMostRecentrings = 5;
+constexpr std::array kLegLengthsM = {0.8, 0.4, 0.2, 0.1};
+constexpr double kStraightSigmas = 1.5;
+constexpr double kSmallestSinOpening = 0.1;
+constexpr double kFarthestCrossingM = 0.1;
+constexpr double kSmallestCosIncidence = 0.3;
+/// What the model of two straight lines leaves out (1 mm).
+constexpr double kModelVarianceM2 = 1e-6;
+constexpr double kOrientationModelVarianceRad2 = 1e-5;
+
+Eigen::Vector2d normalOf(const LineFit& line) {
+  return {-line.direction.y(), line.direction.x()};
+}
+
+/// Variance across the line that the sensor's range noise makes, at the line's incidence.
+double expectedNoise(const LineFit& line, const FeatureDetectorParameters& parameters) {
+  const double range_m = line.centroid_m.norm();
+  const double cos_incidence =
+      range_m > 0.0 ? std::abs(normalOf(line).dot(line.centroid_m)) / range_m : 1.0;
+  const double sigma_m =
+      parameters.laser_range_sigma * std::max(cos_incidence, kSmallestCosIncidence);
+  return sigma_m * sigma_m;
+}
+
+double cornernessOf(const LineFit& a, const LineFit& b) {
+  return 0.5 * (1.0 - std::abs(a.direction.dot(b.direction)));
+}
+
+/// chi square of equal directions; the chord stands for the angle.
+double significanceOf(const LineFit& a,
+                      const LineFit& b,
+                      const FeatureDetectorParameters& parameters) {
+  const double chord2 = 2.0 * (1.0 - a.direction.dot(b.direction));
+  return chord2 / (a.angleVariance(a.noiseVariance(expectedNoise(a, parameters))) +
+                   b.angleVariance(b.noiseVariance(expectedNoise(b, parameters))));
+}
+
+/// Significance of the best scale at every point; 0 where the legs are too short, too straight or
+/// not significant.
+std::vector<double> screen(const Contour& contour, const FeatureDetectorParameters& parameters) {
+  std::vector<double> best(contour.size(), 0.0);
+  for (const double scale_m : kScreenScalesM) {
+    std::size_t first = 0;
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < contour.size(); ++i) {
+      while (contour.arc_m(first) < contour.arc_m(i) - scale_m) ++first;
+      while (last + 1 < contour.size() && contour.arc_m(last + 1) <= contour.arc_m(i) + scale_m) {
+        ++last;
+      }
+      if (i + 1 < first + kSmallestLegPoints || last + 1 < i + kSmallestLegPoints) continue;
+      const LineFit before = contour.fit(first, i);
+      const LineFit after = contour.fit(i, last);
+      if (cornernessOf(before, after) < kScreenCornernessShare * parameters.corner_threshold) {
+        continue;
+      }
+      best[i] = std::max(best[i], significanceOf(before, after, parameters));
+    }
+  }
+  return best;
+}
+
+/// The split of the points first..last into two lines that leaves the least squared distance.
+std::size_t bestSplit(const Contour& contour, std::size_t first, std::size_t last) {
+  std::size_t best = first + kSmallestLegPoints - 1;
+  double best_m2 = std::numeric_limits<double>::infinity();
+  for (std::size_t split = best; split + kSmallestLegPoints <= last; ++split) {
+    const double residual_m2 =
+        contour.fit(first, split).residual_m2 + contour.fit(split + 1, last).residual_m2;
+    if (residual_m2 < best_m2) {
+      best_m2 = residual_m2;
+      best = split;
+    }
+  }
+  return best;
+}
+
+bool isStraight(const LineFit& line, const FeatureDetectorParameters& parameters) {
+  const double limit_m = kStraightSigmas * parameters.laser_range_sigma;
+  return line.residual_m2 <= limit_m * limit_m * std::max(line.count - 2, 1);
+}
+
+/// The longest straight leg that ends (before) or begins (after) at the split.
+std::optional<LineFit> longestLeg(const Contour& contour,
+                                  std::size_t split,
+                                  bool before,
+                                  const FeatureDetectorParameters& parameters) {
+  for (const double length_m : kLegLengthsM) {
+    const std::size_t first = before ? contour.indexAt(contour.arc_m(split) - length_m) : split + 1;
+    std::size_t last = split;
+    if (!before) {
+      last = contour.indexAt(contour.arc_m(first) + length_m);
+      if (contour.arc_m(last) > contour.arc_m(first) + length_m) --last;
+    }
+    if (last + 1 < first + kSmallestLegPoints) continue;
+    const LineFit line = contour.fit(first, last);
+    if (isStraight(line, parameters)) return line;
+  }
+  return std::nullopt;
+}
+
+/// Variance of the line's distance from a point in its prolongation.
+double offsetVariance(const LineFit& line, double noise_m2, const Eigen::Vector2d& point_m) {
+  const double along_m = line.direction.dot(point_m - line.centroid_m);
+  return noise_m2 * (1.0 / line.count + along_m * along_m / line.spread_m2);
+}
+
+std::optional<TwoLineCorner> cross(const LineFit& before,
+                                   const LineFit& after,
+                                   const FeatureDetectorParameters& parameters) {
+  Eigen::Matrix2d normals;
+  normals << normalOf(before).transpose(), normalOf(after).transpose();
+  if (std::abs(normals.determinant()) < kSmallestSinOpening) return std::nullopt;
+  const Eigen::Matrix2d inverse = normals.inverse();
+
+  TwoLineCorner corner;
+  corner.position_m = inverse * Eigen::Vector2d(normalOf(before).dot(before.centroid_m),
+                                                normalOf(after).dot(after.centroid_m));
+  const double noise_before_m2 = before.noiseVariance(expectedNoise(before, parameters));
+  const double noise_after_m2 = after.noiseVariance(expectedNoise(after, parameters));
+  const Eigen::Vector2d variances_m2(offsetVariance(before, noise_before_m2, corner.position_m),
+                                     offsetVariance(after, noise_after_m2, corner.position_m));
+  corner.covariance_m2 = inverse * variances_m2.asDiagonal() * inverse.transpose() +
+                         kModelVarianceM2 * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d bisector = after.direction - before.direction;
+  corner.orientation_rad = std::atan2(bisector.y(), bisector.x());
+  corner.orientation_variance_rad2 =
+      0.25 * (before.angleVariance(noise_before_m2) + after.angleVariance(noise_after_m2)) +
+      kOrientationModelVarianceRad2;
+  corner.cornerness = cornernessOf(before, after);
+  corner.significance = significanceOf(before, after, parameters);
+  return corner;
+}
+
+}  // namespace
+
+std::vector<std::size_t> findCandidates(const Contour& contour,
+                                        const FeatureDetectorParameters& parameters) {
+  const std::vector<double> significance = screen(contour, parameters);
+  const double least = kScreenSignificanceShare * parameters.significance_min;
+  std::vector<std::size_t> candidates;
+  for (std::size_t i = 0; i < contour.size(); ++i) {
+    if (significance[i] <= least) continue;
+    const std::size_t first = contour.indexAt(contour.arc_m(i) - kScreenSpacingM);
+    bool is_peak = true;
+    for (std::size_t j = first;
+         is_peak && j < contour.size() && contour.arc_m(j) <= contour.arc_m(i) + kScreenSpacingM;
+         ++j) {
+      is_peak = j < i ? significance[j] < significance[i] : significance[j] <= significance[i];
+    }
+    if (is_peak) candidates.push_back(i);
+  }
+  return candidates;
+}
+
+std::optional<TwoLineCorner> fitCorner(const Contour& contour,
+                                       std::size_t near_index,
+                                       const FeatureDetectorParameters& parameters) {
+  std::size_t split = near_index;
+  for (int i = 0; i < kMostRecentrings; ++i) {
+    const std::size_t first = contour.indexAt(contour.arc_m(split) - kSplitWindowM);
+    const std::size_t last = contour.indexAt(contour.arc_m(split) + kSplitWindowM);
+    if (last + 1 < first + 2 * kSmallestLegPoints) return std::nullopt;
+    const std::size_t better = bestSplit(contour, first, last);
+    if (better == split) break;
+    split = better;
+  }
+  const auto before = longestLeg(contour, split, true, parameters);
+  const auto after = longestLeg(contour, split, false, parameters);
+  if (!before || !after) return std::nullopt;
+  auto corner = cross(*before, *after, parameters);
+  if (!corner) return std::nullopt;
+  corner->split = split;
+  const double spacing_m = (contour[split + 1] - contour[split]).norm();
+  const double nearest_m = std::min((corner->position_m - contour[split]).norm(),
+                                    (corner->position_m - contour[split + 1]).norm());
+  if (nearest_m > std::max(kFarthestCrossingM, spacing_m)) return std::nullopt;
+  return corner;
+}
+
+}  // namespace ramscout_feature_detector
