@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ram_slam/pose2.hpp"
+
+namespace ramscout_kinematics {
+
+/// Where the wheels say the robot is.
+struct OdometrySample {
+  std::int64_t stamp_ns = 0;
+  ram_slam::Pose2 odom_from_base;
+  /// Forward, left [m/s], turning [rad/s], in the base frame, as reported. Used only right after
+  /// the first sample, when there are no two poses yet to tell a velocity from.
+  Eigen::Vector3d twist = Eigen::Vector3d::Zero();
+};
+
+struct OdometryBufferParameters {
+  /// Length of the history that can be asked about.
+  double buffer_length_s = 10.0;
+  /// A sample may arrive this much after newer ones and is still put in its place.
+  double reorder_window_s = 0.5;
+  /// A sample older than the newest by more than this means that the clock was set back: the
+  /// history is forgotten.
+  double clock_jump_s = 1.0;
+  /// How far past the newest sample the last velocity is trusted.
+  double max_extrapolation_s = 0.2;
+  /// Longer intervals between samples are gaps: the noise of the motion is multiplied by interval /
+  /// gap_s.
+  double gap_s = 0.5;
+  /// Gaps longer than this are not bridged: requests that touch one are refused.
+  double max_gap_s = 2.0;
+  /// Fastest the robot can move; samples that imply more than twice that are jumps of the odometry.
+  double max_speed_mps = 2.0;
+  double max_turn_rate_radps = 6.0;
+  /// Standard deviation of the unknown acceleration while extrapolating.
+  double acceleration_sigma_mps2 = 1.0;
+  double turn_acceleration_sigma_radps2 = 2.0;
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+/// What became of a sample.
+enum class Added {
+  kInOrder,
+  kReordered,      // put in its place among newer ones
+  kRepeated,       // replaced one of the same stamp
+  kTooLate,        // dropped: older than the reorder window
+  kJump,           // held back: implies an impossible speed
+  kDiscontinuity,  // the third in a row that does: the odometry was reset, motion goes on from its
+                   // new origin
+  kClockSetBack,   // the first of a new history
+};
+
+/// A piece of the motion between two samples, at constant twist.
+struct MotionSegment {
+  /// Logarithm of the motion, in the base frame: forward, left [m], turned [rad].
+  Eigen::Vector3d increment = Eigen::Vector3d::Zero();
+  double duration_s = 0.0;
+  /// What the drive model's noise is to be multiplied by: 1, more in a gap.
+  double noise_factor = 1.0;
+  /// Noise beyond the drive model's, per axis of the increment [m^2, m^2, rad^2].
+  Eigen::Vector3d added_variance = Eigen::Vector3d::Zero();
+};
+
+/// Why the buffer cannot tell a motion.
+enum class Unavailable { kNoOdometry, kTooOld, kNotYetAvailable, kGap };
+
+/// A request that the odometry received so far does not cover.
+class OdometryUnavailable : public std::out_of_range {
+public:
+  OdometryUnavailable(Unavailable the_reason, const std::string& message)
+      : std::out_of_range(message), reason(the_reason) {}
+  const Unavailable reason;
+};
+
+/// The recent odometry by stamp, and the motion between any two stamps in it.
+///
+/// What it answers depends on the samples, not on the order in which they arrived (within the
+/// reorder window): which samples are jumps is worked out along the stamps, again from a sample
+/// that comes late. Only the differences between neighbouring poses count, so a reset of the
+/// odometry's origin costs no more than one interval.
+class OdometryBuffer {
+public:
+  /// \throws as OdometryBufferParameters::validate()
+  explicit OdometryBuffer(const OdometryBufferParameters& parameters);
+
+  /// \throws std::invalid_argument if the stamp is not positive or a value is not finite; the
+  /// buffer is unchanged
+  Added add(const OdometrySample& sample);
+
+  /// The motion from `from_ns` to `to_ns` in pieces, one per interval between samples that it
+  /// touches. \throws std::invalid_argument if to < from or a stamp is not positive \throws
+  /// OdometryUnavailable with the buffered stamps in the message
+  std::vector<MotionSegment> segments(std::int64_t from_ns, std::int64_t to_ns) const;
+
+  bool empty() const { return entries_.empty(); }
+  /// Stamp of the oldest and the newest sample; zero if empty.
+  std::int64_t oldestNs() const { return empty() ? 0 : entries_.front().sample.stamp_ns; }
+  std::int64_t newestNs() const;
+
+private:
+  enum class Standing { kAccepted, kOriginMoved, kHeldBack };
+  struct Entry {
+    OdometrySample sample;
+    Standing standing = Standing::kAccepted;
+  };
+  using Iterator = std::deque<Entry>::const_iterator;
+
+  /// Decides about the entries from `first` on; true if the origin was found to have moved.
+  bool judgeFrom(std::size_t first);
+  bool originMovedAt(std::size_t last_of_three) const;
+  bool isPlausible(const OdometrySample& before, const OdometrySample& after) const;
+  void forgetOld();
+  Iterator nextAccepted(Iterator entry) const;
+  /// The newest accepted entry not after the stamp; the first entry is always accepted.
+  Iterator acceptedBefore(std::int64_t stamp_ns) const;
+  MotionSegment between(const Entry& before,
+                        const Entry& after,
+                        std::int64_t from_ns,
+                        std::int64_t to_ns) const;
+  MotionSegment beyond(Iterator newest, std::int64_t from_ns, std::int64_t to_ns) const;
+  Eigen::Vector3d latestTwist(Iterator newest) const;
+  void requireCovered(std::int64_t from_ns, std::int64_t to_ns) const;
+  [[noreturn]] void refuse(Unavailable reason, const std::string& what) const;
+
+  OdometryBufferParameters parameters_;
+  /// By stamp, all different. The first is accepted.
+  std::deque<Entry> entries_;
+};
+
+}  // namespace ramscout_kinematics

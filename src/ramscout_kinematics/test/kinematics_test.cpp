@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_kinematics/kinematics.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include "ram_slam/random.hpp"
+#include "ramscout_kinematics/differential_drive.hpp"
+
+#include "drives.hpp"
+
+namespace ramscout_kinematics {
+namespace {
+
+using ram_slam::Pose2;
+using ram_slam::PoseWithCovariance2;
+
+constexpr double kRoundingOnly = 1e-12;
+
+std::shared_ptr<const DriveModel> differential(double separation_m, double left, double right) {
+  DifferentialDriveParameters parameters;
+  parameters.wheel_separation_m = separation_m;
+  parameters.left_noise_m2_per_m = left;
+  parameters.right_noise_m2_per_m = right;
+  return std::make_shared<DifferentialDrive>(parameters);
+}
+
+/// Noise densities per metre of path of curvature kappa (algorithm of the differential drive, by
+/// hand).
+struct Densities {
+  Densities(double separation_m, double left, double right, double kappa) {
+    const double r = right * std::abs(1.0 + separation_m * kappa / 2.0);
+    const double l = left * std::abs(1.0 - separation_m * kappa / 2.0);
+    s = (r + l) / 4.0;
+    t = (r + l) / (separation_m * separation_m);
+    st = (r - l) / (2.0 * separation_m);
+  }
+  double s, t, st;
+};
+
+void expectRelativelyNear(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double tolerance) {
+  EXPECT_LE((a - b).norm(), tolerance * b.norm()) << a << "\n\nwanted\n\n" << b;
+}
+
+void expectNear(const Pose2& a, const Pose2& b, double tolerance) {
+  EXPECT_NEAR(a.x_m, b.x_m, tolerance);
+  EXPECT_NEAR(a.y_m, b.y_m, tolerance);
+  EXPECT_NEAR(ram_slam::wrapAngle(a.yaw_rad - b.yaw_rad), 0.0, tolerance);
+}
+
+Eigen::Vector3d toVector(const Pose2& pose) {
+  return {pose.x_m, pose.y_m, pose.yaw_rad};
+}
+
+TEST(Kinematics, StraightDriveHasTheClosedFormNoise) {
+  const double length_m = 3.0;
+  Kinematics kinematics(unlimited(differential(0.5, 1e-4, 3e-4)));
+  addAll(kinematics, drive({1.0, 0.0, 0.0}, length_m, 0.01));
+  const PoseWithCovariance2 motion = kinematics.motion(after(0.0), after(length_m));
+  expectNear(motion.pose, {length_m, 0.0, 0.0}, 1e-9);
+
+  const Densities q(0.5, 1e-4, 3e-4, 0.0);
+  const double l = length_m;
+  Eigen::Matrix3d expected;
+  expected << q.s * l, q.st * l * l / 2, q.st * l,             //
+      q.st * l * l / 2, q.t * l * l * l / 3, q.t * l * l / 2,  //
+      q.st * l, q.t * l * l / 2, q.t * l;
+  expectRelativelyNear(motion.covariance, expected, 1e-9);
+}
+
+TEST(Kinematics, QuarterCircleHasTheClosedFormNoise) {
+  const double radius_m = 2.0;
+  const double length_m = radius_m * M_PI_2;
+  for (const double period_s : {M_PI_2, M_PI_2 / 7.0, M_PI_2 / 1000.0}) {
+    Kinematics kinematics(unlimited(differential(0.5, 4e-5, 6e-5)));
+    addAll(kinematics, drive({radius_m, 0.0, 1.0}, M_PI_2, period_s));
+    const PoseWithCovariance2 motion = kinematics.motion(after(0.0), after(M_PI_2));
+    expectNear(motion.pose, {radius_m, radius_m, M_PI_2}, 1e-8);
+
+    const Densities q(0.5, 4e-5, 6e-5, 1.0 / radius_m);
+    const double r = radius_m;
+    EXPECT_NEAR(motion.covariance(0, 0), M_PI * r / 4 * (q.s + q.t * r * r - 2 * r * q.st), 1e-9);
+    EXPECT_NEAR(motion.covariance(1, 1),
+                r * (q.s * M_PI_4 + q.t * r * r * (3 * M_PI_4 - 2) + 2 * q.st * r * (1 - M_PI_4)),
+                1e-9);
+    EXPECT_NEAR(motion.covariance(0, 2), r * (q.st - q.t * r), 1e-9);
+    EXPECT_NEAR(motion.covariance(1, 2), r * (q.st + q.t * r * (M_PI_2 - 1)), 1e-9);
+    EXPECT_NEAR(motion.covariance(2, 2), q.t * length_m, 1e-9);
+  }
+}
+
+TEST(Kinematics, QuarterCircleHasTheNoiseThatMonteCarloFound) {
+  Kinematics kinematics(unlimited(differential(0.5, 4e-5, 4e-5)));
+  addAll(kinematics, drive({2.0, 0.0, 1.0}, M_PI_2, M_PI_2 / 50.0));
+  const Eigen::Matrix3d covariance = kinematics.motion(after(0.0), after(M_PI_2)).covariance;
+  EXPECT_NEAR(covariance(0, 0), 0.0019792, 1e-7);
+  EXPECT_NEAR(covariance(1, 1), 0.00096044, 1e-7);
+  EXPECT_NEAR(covariance(0, 2), -0.00126, 4e-6);
+  EXPECT_NEAR(covariance(1, 2), 0.0007506, 1e-6);
+  EXPECT_NEAR(covariance(2, 2), 0.0010053, 1e-7);
+}
+
+/// An independent slow simulation: each wheel draws its error every millimetre, poses are added up
+/// by midpoints.
+TEST(Kinematics, NoiseAgreesWithWheelsThatErrEveryMillimetre) {
+  const double separation_m = 0.4, left = 4e-6, right = 1e-5;
+  const double turn_per_metre = 0.8, length_m = 1.5;
+  Kinematics kinematics(unlimited(differential(separation_m, left, right)));
+  addAll(kinematics, drive({1.0, 0.0, turn_per_metre}, length_m, 0.02));
+  const PoseWithCovariance2 motion = kinematics.motion(after(0.0), after(length_m));
+
+  const int runs = 4000, steps = 1500;
+  const double step_m = length_m / steps;
+  ram_slam::Random random(7);
+  Eigen::Matrix3d simulated = Eigen::Matrix3d::Zero();
+  for (int run = 0; run < runs; ++run) {
+    double x = 0.0, y = 0.0, yaw = 0.0;
+    for (int step = 0; step < steps; ++step) {
+      const double r = step_m * (1.0 + separation_m * turn_per_metre / 2.0);
+      const double l = step_m * (1.0 - separation_m * turn_per_metre / 2.0);
+      const double noisy_r = r + std::sqrt(right * r) * random.gaussian();
+      const double noisy_l = l + std::sqrt(left * l) * random.gaussian();
+      const double turn = (noisy_r - noisy_l) / separation_m;
+      x += (noisy_r + noisy_l) / 2.0 * std::cos(yaw + turn / 2.0);
+      y += (noisy_r + noisy_l) / 2.0 * std::sin(yaw + turn / 2.0);
+      yaw += turn;
+    }
+    const Eigen::Vector3d error = Eigen::Vector3d(x, y, yaw) - toVector(motion.pose);
+    simulated += error * error.transpose() / runs;
+  }
+  // The standard error of a variance from n runs is sqrt(2 / n) = 2.2 %.
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const double scale = std::sqrt(motion.covariance(i, i) * motion.covariance(j, j));
+      EXPECT_NEAR(simulated(i, j), motion.covariance(i, j), 3.5 * std::sqrt(2.0 / runs) * scale)
+          << i << j;
+    }
+  }
+}
+
+TEST(Kinematics, SplittingAnIntervalChangesNothing) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Kinematics kinematics(unlimited(differential(0.4, 1e-4, 2e-4)));
+    addAll(kinematics, randomDrive(seed, 2.0, 0.02));
+    ram_slam::Random random(seed, 1);
+    double times_s[] = {1.9 * random.uniform(), 1.9 * random.uniform(), 1.9 * random.uniform()};
+    std::sort(std::begin(times_s), std::end(times_s));
+    const auto [a, b, c] = times_s;
+
+    StateWithCovariance start;
+    start.state.resize(6);
+    start.state << 100.0 * random.gaussian(), 100.0 * random.gaussian(), 0.5, 0.01, -0.02,
+        4.0 * random.gaussian();
+    Eigen::MatrixXd root(6, 6);
+    for (Eigen::Index i = 0; i < root.size(); ++i) root(i) = 0.01 * random.gaussian();
+    start.covariance = root * root.transpose();
+
+    const auto whole = kinematics.predictWithCovariance(start, after(a), after(c));
+    const auto parts = kinematics.predictWithCovariance(
+        kinematics.predictWithCovariance(start, after(a), after(b)), after(b), after(c));
+    EXPECT_LE((whole.state - parts.state).norm(), 1e-9);
+    expectRelativelyNear(parts.covariance, whole.covariance, 1e-9);
+    EXPECT_LE((kinematics.predict(start.state, after(a), after(c)) - whole.state).norm(), 1e-9);
+  }
+}
+
+TEST(Kinematics, YawGoesOverTheEndOfItsRange) {
+  Kinematics kinematics(unlimited(differential(0.4, 1e-4, 1e-4)));
+  addAll(kinematics, drive({0.0, 0.0, 2.0}, 10.0, 0.05));  // 20 rad: over +-pi several times
+  const Eigen::VectorXd end =
+      kinematics.predict(Eigen::Vector3d(1.0, 2.0, 3.0), after(0.0), after(10.0));
+  EXPECT_NEAR(end(2), ram_slam::wrapAngle(23.0), 1e-8);
+  EXPECT_NEAR(end(0), 1.0, kRoundingOnly);
+  const PoseWithCovariance2 motion = kinematics.motion(after(1.0), after(2.0));
+  EXPECT_NEAR(motion.pose.yaw_rad, 2.0, 1e-8);
+}
+
+TEST(Kinematics, BackwardDriveHasTheNoiseOfTheForwardDriveMirrored) {
+  Kinematics forward(unlimited(differential(0.4, 1e-4, 1e-4)));
+  Kinematics backward(unlimited(differential(0.4, 1e-4, 1e-4)));
+  addAll(forward, drive({1.0, 0.0, 0.3}, 2.0, 0.02));
+  addAll(backward, drive({-1.0, 0.0, -0.3}, 2.0, 0.02));
+  const PoseWithCovariance2 there = forward.motion(after(0.0), after(2.0));
+  const PoseWithCovariance2 back = backward.motion(after(0.0), after(2.0));
+  EXPECT_NEAR(back.covariance(1, 1), there.covariance(1, 1), kRoundingOnly);
+  EXPECT_NEAR(back.covariance(2, 2), there.covariance(2, 2), kRoundingOnly);
+  EXPECT_NEAR(back.covariance(1, 2), -there.covariance(1, 2), kRoundingOnly);
+}
+
+TEST(Kinematics, EmptyIntervalIsTheIdentityAndHasNoSpread) {
+  Kinematics kinematics(unlimited(differential(0.4, 1e-4, 1e-4)));
+  addAll(kinematics, drive({1.0, 0.0, 0.3}, 2.0, 0.02));
+  StateWithCovariance start;
+  start.state = Eigen::Vector3d(1.0, 2.0, 0.5);
+  start.covariance = Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal();
+  const auto end = kinematics.predictWithCovariance(start, after(0.503), after(0.503));
+  EXPECT_EQ(end.state, start.state);
+  EXPECT_EQ(end.covariance, start.covariance);
+  EXPECT_EQ(kinematics.sample(Eigen::MatrixXd(start.state), after(0.503), after(0.503), 9),
+            start.state);
+}
+
+TEST(Kinematics, SamplesHaveMeanAndCovarianceOfThePrediction) {
+  Kinematics kinematics(unlimited(differential(0.4, 1e-4, 2e-4)));
+  addAll(kinematics, randomDrive(3, 3.0, 0.02));
+  const Eigen::Index count = 100000;
+  const Eigen::Vector3d start(5.0, -2.0, 0.7);
+  const auto predicted =
+      kinematics.predictWithCovariance({start, Eigen::Matrix3d::Zero()}, after(0.1), after(2.3));
+  const Eigen::MatrixXd samples =
+      kinematics.sample(start.replicate(1, count), after(0.1), after(2.3), 12);
+  Eigen::MatrixXd errors = samples.colwise() - Eigen::VectorXd(predicted.state);
+  errors.row(2) = errors.row(2).unaryExpr(&ram_slam::wrapAngle);
+  const Eigen::Vector3d mean = errors.rowwise().mean();
+  const Eigen::Matrix3d covariance = errors * errors.transpose() / static_cast<double>(count);
+  const Eigen::Matrix3d& expected = predicted.covariance;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_LE(std::abs(mean(i)), 3.0 * std::sqrt(expected(i, i) / count));
+    for (int j = 0; j < 3; ++j) {
+      const double standard_error =
+          std::sqrt((expected(i, i) * expected(j, j) + expected(i, j) * expected(i, j)) / count);
+      EXPECT_LE(std::abs(covariance(i, j) - expected(i, j)), 3.0 * standard_error) << i << j;
+    }
+  }
+}
+
+TEST(Kinematics, SameSeedGivesTheSameSamplesAndAnotherSeedOthers) {
+  Kinematics kinematics(unlimited(differential(0.4, 1e-4, 2e-4)));
+  addAll(kinematics, drive({1.0, 0.0, 0.3}, 2.0, 0.02));
+  const Eigen::MatrixXd starts = Eigen::MatrixXd::Random(6, 20);
+  const auto samples = [&](std::uint64_t seed) {
+    return kinematics.sample(starts, after(0.1), after(1.0), seed);
+  };
+  EXPECT_EQ(samples(1), samples(1));
+  EXPECT_NE(samples(1), samples(2));
+  // A population answers as its members do.
+  EXPECT_EQ(samples(1).leftCols(5),
+            kinematics.sample(starts.leftCols(5), after(0.1), after(1.0), 1));
+}
+
+TEST(Kinematics, PosesAndStatesAreSampledAlike) {
+  Kinematics kinematics(unlimited(differential(0.4, 1e-4, 2e-4)));
+  addAll(kinematics, drive({1.0, 0.0, 0.3}, 2.0, 0.02));
+  const Pose2 pose{1.0, 2.0, 3.0};
+  const Eigen::MatrixXd sampled =
+      kinematics.sample(Eigen::MatrixXd(toVector(pose)), after(0.2), after(1.7), 5);
+  EXPECT_EQ(toVector(kinematics.sample(std::vector<Pose2>{pose}, after(0.2), after(1.7), 5)[0]),
+            sampled.col(0));
+}
+
+/// The unscented transform of predict() over the start and of the motion over its noise gives
+/// predictWithCovariance().
+TEST(Kinematics, UnscentedTransformAgreesWithLinearPropagation) {
+  Kinematics kinematics(unlimited(differential(0.4, 1e-5, 2e-5)));
+  addAll(kinematics, randomDrive(5, 3.0, 0.02));
+  StateWithCovariance start;
+  start.state = Eigen::Vector3d(1.0, 2.0, -0.4);
+  start.covariance.resize(3, 3);
+  start.covariance << 4e-4, 1e-4, 2e-5, 1e-4, 2e-4, 0.0, 2e-5, 0.0, 1e-4;
+  const auto linear = kinematics.predictWithCovariance(start, after(0.5), after(2.5));
+  const PoseWithCovariance2 motion = kinematics.motion(after(0.5), after(2.5));
+
+  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(6, 6);  // start and motion
+  joint.topLeftCorner(3, 3) = start.covariance;
+  joint.bottomRightCorner(3, 3) = motion.covariance;
+  const Eigen::MatrixXd root = (6.0 * joint).llt().matrixL();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < 6; ++i) {
+    for (const double sign : {-1.0, 1.0}) {
+      const Eigen::VectorXd offset = sign * root.col(i);
+      const Pose2 from{start.state(0) + offset(0), start.state(1) + offset(1),
+                       start.state(2) + offset(2)};
+      const Pose2 by{motion.pose.x_m + offset(3), motion.pose.y_m + offset(4),
+                     motion.pose.yaw_rad + offset(5)};
+      Eigen::Vector3d error = toVector(from * by) - linear.state;
+      error.z() = ram_slam::wrapAngle(error.z());
+      spread += error * error.transpose() / 12.0;
+    }
+  }
+  expectRelativelyNear(spread, linear.covariance, 2e-3);
+}
+
+TEST(Kinematics, PassesHeightRollAndPitchThroughWithTheirVariances) {
+  Kinematics kinematics(unlimited(differential(0.4, 1e-4, 1e-4)));
+  addAll(kinematics, drive({1.0, 0.0, 0.3}, 2.0, 0.02));
+  StateWithCovariance start;
+  start.state.resize(6);
+  start.state << 1.0, 2.0, 0.3, 0.04, -0.05, 0.6;
+  start.covariance = Eigen::MatrixXd::Identity(6, 6) * 1e-3;
+  const auto end = kinematics.predictWithCovariance(start, after(0.0), after(2.0));
+  EXPECT_EQ(end.state.segment(2, 3), start.state.segment(2, 3));
+  EXPECT_EQ(end.covariance.block(2, 2, 3, 3), start.covariance.block(2, 2, 3, 3));
+
+  const auto planar = kinematics.predictWithCovariance(
+      {Eigen::Vector3d(1.0, 2.0, 0.6), Eigen::MatrixXd::Identity(3, 3) * 1e-3}, after(0.0),
+      after(2.0));
+  const std::vector<int> indices{0, 1, 5};
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(end.state(indices[i]), planar.state(i));
+    for (int j = 0; j < 3; ++j)
+      EXPECT_EQ(end.covariance(indices[i], indices[j]), planar.covariance(i, j));
+  }
+}
+
+TEST(Kinematics, StandingStillSpreadsWithTheRootOfTheTime) {
+  KinematicsParameters parameters = unlimited(differential(0.4, 1e-4, 1e-4));
+  parameters.standing_sigma_m = 0.002;
+  parameters.standing_sigma_rad = 0.003;
+  Kinematics kinematics(parameters);
+  addAll(kinematics, drive({0.0, 0.0, 0.0}, 4.0, 0.02));
+  const Eigen::Matrix3d covariance = kinematics.motion(after(0.0), after(4.0)).covariance;
+  EXPECT_NEAR(covariance(0, 0), 4.0 * 0.002 * 0.002, kRoundingOnly);
+  EXPECT_NEAR(covariance(2, 2), 4.0 * 0.003 * 0.003, kRoundingOnly);
+}
+
+TEST(Kinematics, RefusesStatesThatAreNotOne) {
+  Kinematics kinematics(unlimited(differential(0.4, 1e-4, 1e-4)));
+  addAll(kinematics, drive({1.0, 0.0, 0.3}, 2.0, 0.02));
+  for (const int size : {0, 1, 2, 4, 5, 7, 12}) {
+    EXPECT_THROW(kinematics.predict(Eigen::VectorXd::Zero(size), after(0.0), after(1.0)),
+                 std::invalid_argument);
+  }
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(kinematics.predict(Eigen::Vector3d(0.0, bad, 0.0), after(0.0), after(1.0)),
+                 std::invalid_argument);
+  }
+  EXPECT_THROW(kinematics.predictWithCovariance({Eigen::Vector3d::Zero(), Eigen::Matrix2d::Zero()},
+                                                after(0.0), after(1.0)),
+               std::invalid_argument);
+}
+
+TEST(Kinematics, TakesAYawOfManyTurnsAsTheWrappedOne) {
+  Kinematics kinematics(unlimited(differential(0.4, 1e-4, 1e-4)));
+  addAll(kinematics, drive({1.0, 0.0, 0.3}, 2.0, 0.02));
+  const Eigen::VectorXd many =
+      kinematics.predict(Eigen::Vector3d(1.0, 2.0, 1e6), after(0.0), after(1.0));
+  const Eigen::VectorXd one = kinematics.predict(
+      Eigen::Vector3d(1.0, 2.0, ram_slam::wrapAngle(1e6)), after(0.0), after(1.0));
+  EXPECT_EQ(many, one);
+  EXPECT_LE(std::abs(many(2)), M_PI);
+}
+
+TEST(CheckedCovariance, RepairsRoundingAndRefusesTheRest) {
+  Eigen::Matrix3d good = Eigen::Vector3d(1.0, 2.0, 3.0).asDiagonal();
+  EXPECT_EQ(checkedCovariance(good), good);
+  EXPECT_EQ(checkedCovariance(Eigen::Matrix3d::Zero()), Eigen::Matrix3d::Zero());
+
+  Eigen::Matrix3d nearly_symmetric = good;
+  nearly_symmetric(0, 1) = 1e-4;
+  EXPECT_EQ(checkedCovariance(nearly_symmetric)(1, 0), 0.5e-4);
+  Eigen::Matrix3d asymmetric = good;
+  asymmetric(0, 1) = 1e-2;
+  EXPECT_THROW(checkedCovariance(asymmetric), std::invalid_argument);
+
+  Eigen::Matrix3d nearly_positive = good;
+  nearly_positive(0, 0) = -1e-7;
+  EXPECT_NEAR(checkedCovariance(nearly_positive)(0, 0), 0.0, kRoundingOnly);
+  Eigen::Matrix3d negative = good;
+  negative(0, 0) = -1e-3;
+  EXPECT_THROW(checkedCovariance(negative), std::invalid_argument);
+  Eigen::Matrix3d infinite = good;
+  infinite(2, 2) = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(checkedCovariance(infinite), std::invalid_argument);
+}
+
+ram_parameters::ParameterReader reader(const std::string& yaml) {
+  return {YAML::Load(yaml), "test"};
+}
+
+TEST(ReadKinematicsParameters, ChoosesTheModelAndReadsItsBlock) {
+  auto source = reader(
+      "{model: differential, differential: {left_noise_m2_per_m: 4.0, right_noise_m2_per_m: 0}}");
+  const auto parameters = readKinematicsParameters(source);
+  EXPECT_EQ(parameters.drive_model->noise({1.0, 0.0, 0.0})(0, 0), 1.0);
+}
+
+TEST(ReadKinematicsParameters, RefusesWhatItDoesNotKnow) {
+  for (const char* yaml :
+       {"{model: tank}", "{modell: differential}", "{differential: {wheel_seperation_m: 0.4}}",
+        "{differential: {wheel_separation_m: 0}}", "{buffer_length_s: -1}", "{max_gap_s: 0.1}"}) {
+    auto source = reader(yaml);
+    EXPECT_THROW(readKinematicsParameters(source), std::invalid_argument) << yaml;
+  }
+}
+
+}  // namespace
+}  // namespace ramscout_kinematics
