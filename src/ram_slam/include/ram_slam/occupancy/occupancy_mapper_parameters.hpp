@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "ram_parameters/parameter_reader.hpp"
+
+namespace ram_slam {
+
+/// Settings of occupancy mapping, in process and as a node.
+struct OccupancyMapperParameters {
+  // What a scan says about cells.
+  double resolution = 0.05;   ///< edge of a cell [m]
+  double max_range_m = 30.0;  ///< hits beyond it mark nothing; their beam clears up to it
+  double clear_max_range_m =
+      5.0;  ///< how far a beam that returned nothing (+Inf) clears; 0: not at all
+  double occupied_threshold =
+      0.25;            ///< a cell is occupied if more than this part of its visits were hits
+  int min_visits = 1;  ///< a cell with fewer visits is unknown
+  int max_cell_count = 50000000;  ///< size cap: cells in the map's bounding box
+
+  // Which scans are mapped: those the robot moved before.
+  double key_distance_m =
+      0.1;  ///< a scan is mapped if the laser moved this far since the last mapped one ...
+  double key_angle_rad = 0.05;  ///< ... or turned this much
+  int max_scan_count =
+      10000;  ///< scans kept for re-rendering; older ones stay in the map as they are
+
+  // The node only.
+  std::string map_frame = "map";
+  std::string map_folder =
+      "~/.ros/maps";                 ///< where save_map writes; a leading ~ is the home folder
+  double publish_period_s = 5.0;     ///< between whole maps
+  double update_period_s = 0.5;      ///< between map updates
+  double transform_timeout_s = 2.0;  ///< how long a scan waits for its pose
+  bool follow_trajectory =
+      false;  ///< also re-render along every `trajectory`, not only corrected ones
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+/// \throws std::invalid_argument for an unknown key, a wrong type or a value out of bounds
+OccupancyMapperParameters readOccupancyMapperParameters(ram_parameters::ParameterReader& reader);
+
+}  // namespace ram_slam

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "ram_slam/pose2.hpp"
+
+namespace ram_slam {
+
+/// Poses in the order of their stamps, which strictly increase.
+using Trajectory = std::vector<StampedPose2>;
+
+/// \throws std::invalid_argument naming the stamp where a pose is not finite or the stamps do not
+/// increase
+void validate(const Trajectory& trajectory);
+
+/// The pose at a stamp, interpolated at constant twist between its neighbours; nothing outside the
+/// trajectory.
+std::optional<Pose2> poseAt(const Trajectory& trajectory, std::int64_t stamp_ns);
+
+}  // namespace ram_slam

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/occupancy/key_scan_map.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace ram_slam {
+namespace {
+
+using PoseAtIndex = Pose2 (*)(int);
+
+LaserScan scanAt(std::int64_t stamp_ns) {
+  LaserScan scan;
+  scan.stamp_ns = stamp_ns;
+  scan.angle_min_rad = -1.5;
+  scan.angle_increment_rad = 0.01;
+  scan.range_max_m = 20.0F;
+  for (std::int64_t i = 0; i < 300; ++i) {
+    scan.ranges_m.push_back(2.0F + 0.01F * static_cast<float>((i * 37 + stamp_ns) % 300));
+  }
+  return scan;
+}
+
+const Pose2 kBaseFromLaser{0.2, 0.05, 0.1};
+
+/// What the robot believes at stamp 100 k, and where it really was.
+Pose2 believed(int k) {
+  return {0.25 * k, 0.0, 0.0};
+}
+Pose2 corrected(int k) {
+  return {0.24 * k, 0.02 * k, 0.04 * k};
+}
+
+KeyScanMap mapOfTenScans(PoseAtIndex pose) {
+  KeyScanMap map(OccupancyMapperParameters{});
+  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), pose(k), kBaseFromLaser);
+  return map;
+}
+
+/// Interpolated poses differ by rounding, which may decide about single cells.
+void expectNearlySameCells(const OccupancyMapper& a, const OccupancyMapper& b) {
+  int visited = 0;
+  int differing = 0;
+  for (int y = -200; y < 200; ++y) {
+    for (int x = -200; x < 200; ++x) {
+      visited += a.counts(x, y).visits > 0 ? 1 : 0;
+      differing += a.counts(x, y) == b.counts(x, y) ? 0 : 1;
+    }
+  }
+  EXPECT_GT(visited, 1000);
+  EXPECT_LE(differing, 5);
+}
+
+TEST(KeyScanMap, MapsTheFirstScanAndThoseAfterAMotion) {
+  KeyScanMap map(OccupancyMapperParameters{});
+  EXPECT_TRUE(map.add(scanAt(0), {}, {}));
+  EXPECT_FALSE(map.add(scanAt(100), {0.05, 0.0, 0.0}, {}));
+  EXPECT_FALSE(map.add(scanAt(200), {0.09, 0.0, 0.04}, {}));
+  EXPECT_TRUE(map.add(scanAt(300), {0.11, 0.0, 0.0}, {}));
+  EXPECT_TRUE(map.add(scanAt(400), {0.11, 0.0, 0.06}, {}));
+  EXPECT_EQ(map.scanCount(), 3u);
+}
+
+TEST(KeyScanMap, CorrectedMapEqualsOneDrawnFromTheCorrectedPoses) {
+  KeyScanMap map = mapOfTenScans(believed);
+  const KeyScanMap truth = mapOfTenScans(corrected);
+  EXPECT_NE(map.mapper().grid().cells, truth.mapper().grid().cells);
+  Trajectory trajectory;
+  for (int k = 0; k < 10; ++k) trajectory.push_back({100 * k, corrected(k)});
+  EXPECT_EQ(map.correct(trajectory), 9);  // the first pose is the same
+  EXPECT_EQ(map.mapper().grid().cells, truth.mapper().grid().cells);
+  EXPECT_EQ(map.correct(trajectory), 0);
+}
+
+TEST(KeyScanMap, ScansBetweenThePosesOfATrajectoryAreInterpolated) {
+  KeyScanMap map = mapOfTenScans(believed);
+  EXPECT_EQ(map.correct({{0, {0.0, 0.0, M_PI_2}}, {900, {0.0, 2.25, M_PI_2}}}), 10);
+  const KeyScanMap truth = mapOfTenScans([](int k) { return Pose2{0.0, 0.25 * k, M_PI_2}; });
+  expectNearlySameCells(map.mapper(), truth.mapper());
+}
+
+TEST(KeyScanMap, ScansAfterTheCorrectionMoveRigidlyWithItAndEarlierOnesStay) {
+  KeyScanMap map = mapOfTenScans(believed);
+  const Pose2 shift{0.0, 1.0, 0.3};
+  EXPECT_EQ(map.correct({{500, shift * believed(5)}, {600, shift * believed(6)}}), 5);
+  const KeyScanMap expected = mapOfTenScans([](int k) {
+    return k < 5 ? believed(k) : Pose2{0.0, 1.0, 0.3} * believed(k);
+  });
+  expectNearlySameCells(map.mapper(), expected.mapper());
+}
+
+TEST(KeyScanMap, KeepsAsManyScansAsItMayAndTheMapOfAll) {
+  OccupancyMapperParameters parameters;
+  parameters.max_scan_count = 4;
+  KeyScanMap map(parameters);
+  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), believed(k), kBaseFromLaser);
+  EXPECT_EQ(map.scanCount(), 4u);
+  EXPECT_EQ(map.settledCount(), 6u);
+  EXPECT_EQ(map.mapper().grid().cells, mapOfTenScans(believed).mapper().grid().cells);
+}
+
+TEST(KeyScanMap, BadTrajectoriesAndLateScansAreRefusedAndChangeNothing) {
+  KeyScanMap map = mapOfTenScans(believed);
+  const std::uint64_t revision = map.mapper().revision();
+  EXPECT_THROW(map.correct({{900, {}}, {0, {}}}), std::invalid_argument);
+  EXPECT_THROW(map.correct({{0, {std::nan(""), 0.0, 0.0}}}), std::invalid_argument);
+  EXPECT_THROW(map.correct({{0, {1e9, 0.0, 0.0}}, {900, {1e9, 0.0, 0.0}}}), std::invalid_argument);
+  EXPECT_THROW(map.add(scanAt(900), {5.0, 0.0, 0.0}, {}), std::invalid_argument);
+  EXPECT_EQ(map.correct({}), 0);
+  EXPECT_EQ(map.mapper().revision(), revision);
+}
+
+}  // namespace
+}  // namespace ram_slam
