@@ -49,18 +49,9 @@ diagnostic_msgs::KeyValue keyValue(const std::string& key, const std::string& va
 
 }  // namespace
 
-KinematicsNodeParameters readKinematicsNodeParameters(ram_parameters::ParameterReader& reader) {
-  KinematicsNodeParameters parameters;
-  reader.read("odom_frame", parameters.odom_frame);
-  reader.read("base_frame", parameters.base_frame);
-  reader.read("seed", parameters.seed);
-  parameters.kinematics = ramscout_kinematics::readKinematicsParameters(reader);
-  return parameters;
-}
-
 KinematicsNode::KinematicsNode(ram_parameters::ParameterReader& reader)
-    : parameters_(readKinematicsNodeParameters(reader)),
-      kinematics_(parameters_.kinematics),
+    : parameters_(ramscout_kinematics::readKinematicsParameters(reader)),
+      kinematics_(parameters_),
       service_spinner_(1, &service_queue_) {
   diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
   odometry_ = node_.subscribe("odom", 200, &KinematicsNode::onOdometry, this,

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 
 #include <nav_msgs/Odometry.h>
 #include <ram_slam_msgs/PredictState.h>
@@ -17,18 +16,6 @@
 #include "ramscout_kinematics/kinematics.hpp"
 
 namespace ramscout_kinematics_ros {
-
-struct KinematicsNodeParameters {
-  /// Frames that the odometry must be in; empty accepts any.
-  std::string odom_frame = "odom";
-  std::string base_frame = "base_link";
-  /// Of the `sample` service, whose request carries none.
-  int seed = 1;
-  ramscout_kinematics::KinematicsParameters kinematics;
-};
-
-/// \throws std::invalid_argument for an unknown key, a wrong type or a value out of range
-KinematicsNodeParameters readKinematicsNodeParameters(ram_parameters::ParameterReader& reader);
 
 /// Buffers `odom` and answers ~predict, ~predict_with_covariance, ~sample and ~sample_states.
 ///
@@ -50,7 +37,7 @@ private:
                       ram_slam_msgs::SampleStates::Response& response);
   void publishDiagnostics();
 
-  KinematicsNodeParameters parameters_;
+  ramscout_kinematics::KinematicsParameters parameters_;
   ramscout_kinematics::Kinematics kinematics_;
   std::uint64_t samples_drawn_ = 0;  // touched by the services' thread only
 

@@ -137,7 +137,10 @@ KinematicsParameters readKinematicsParameters(ram_parameters::ParameterReader& r
   }
   reader.read("standing_sigma_m", parameters.standing_sigma_m);
   reader.read("standing_sigma_rad", parameters.standing_sigma_rad);
-  reader.read("buffer_length_s", buffer.buffer_length_s);
+  reader.read("odom_frame", parameters.odom_frame);
+  reader.read("base_frame", parameters.base_frame);
+  reader.read("seed", parameters.seed);
+  reader.read("buffer_duration_s", buffer.buffer_duration_s);
   reader.read("reorder_window_s", buffer.reorder_window_s);
   reader.read("clock_jump_s", buffer.clock_jump_s);
   reader.read("max_extrapolation_s", buffer.max_extrapolation_s);

@@ -35,11 +35,11 @@ std::string toText(std::int64_t stamp_ns) {
 }  // namespace
 
 void OdometryBufferParameters::validate() const {
-  check(buffer_length_s > 0.0 && buffer_length_s <= 3600.0, "buffer_length_s", buffer_length_s,
-        "in (0, 3600]");
+  check(buffer_duration_s > 0.0 && buffer_duration_s <= 3600.0, "buffer_duration_s",
+        buffer_duration_s, "in (0, 3600]");
   check(reorder_window_s >= 0.0 && reorder_window_s <= clock_jump_s, "reorder_window_s",
         reorder_window_s, "in [0, clock_jump_s]");
-  check(clock_jump_s <= buffer_length_s, "clock_jump_s", clock_jump_s, "<= buffer_length_s");
+  check(clock_jump_s <= buffer_duration_s, "clock_jump_s", clock_jump_s, "<= buffer_duration_s");
   check(max_extrapolation_s >= 0.0, "max_extrapolation_s", max_extrapolation_s, ">= 0");
   check(gap_s > 0.0, "gap_s", gap_s, "> 0");
   check(max_gap_s >= gap_s, "max_gap_s", max_gap_s, ">= gap_s");
@@ -127,7 +127,7 @@ bool OdometryBuffer::isPlausible(const OdometrySample& before, const OdometrySam
 }
 
 void OdometryBuffer::forgetOld() {
-  const std::int64_t limit_ns = newestNs() - toNanoseconds(parameters_.buffer_length_s);
+  const std::int64_t limit_ns = newestNs() - toNanoseconds(parameters_.buffer_duration_s);
   for (auto next = nextAccepted(entries_.begin());
        next != entries_.end() && next->sample.stamp_ns <= limit_ns;
        next = nextAccepted(entries_.begin())) {

@@ -59,7 +59,7 @@ inline void addAll(Kinematics& kinematics, const std::vector<OdometrySample>& sa
 inline KinematicsParameters unlimited(const std::shared_ptr<const DriveModel>& model) {
   KinematicsParameters parameters;
   parameters.drive_model = model;
-  parameters.buffer.buffer_length_s = 3600.0;
+  parameters.buffer.buffer_duration_s = 3600.0;
   parameters.buffer.gap_s = 3600.0;
   parameters.buffer.max_gap_s = 3600.0;
   parameters.buffer.max_speed_mps = 100.0;

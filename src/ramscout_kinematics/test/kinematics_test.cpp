@@ -380,7 +380,7 @@ TEST(ReadKinematicsParameters, ChoosesTheModelAndReadsItsBlock) {
 TEST(ReadKinematicsParameters, RefusesWhatItDoesNotKnow) {
   for (const char* yaml :
        {"{model: tank}", "{modell: differential}", "{differential: {wheel_seperation_m: 0.4}}",
-        "{differential: {wheel_separation_m: 0}}", "{buffer_length_s: -1}", "{max_gap_s: 0.1}"}) {
+        "{differential: {wheel_separation_m: 0}}", "{buffer_duration_s: -1}", "{max_gap_s: 0.1}"}) {
     auto source = reader(yaml);
     EXPECT_THROW(readKinematicsParameters(source), std::invalid_argument) << yaml;
   }

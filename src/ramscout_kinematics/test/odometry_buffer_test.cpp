@@ -138,7 +138,7 @@ TEST(OdometryBuffer, DropsWhatComesTooLateAndForgetsAllWhenTheClockIsSetBack) {
 
 TEST(OdometryBuffer, ForgetsWhatIsOlderThanItsLength) {
   OdometryBufferParameters parameters;
-  parameters.buffer_length_s = 2.0;
+  parameters.buffer_duration_s = 2.0;
   const OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.0}, 10.0, 0.1), parameters);
   EXPECT_EQ(buffer.oldestNs(), after(8.0));
   EXPECT_EQ(reasonFor(buffer, 7.9, 9.0), Unavailable::kTooOld);

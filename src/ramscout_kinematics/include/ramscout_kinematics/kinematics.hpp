@@ -25,6 +25,11 @@ struct KinematicsParameters {
   /// root of the time.
   double standing_sigma_m = 0.001;
   double standing_sigma_rad = 0.001;
+  /// Frames that the node wants the odometry in; empty accepts any.
+  std::string odom_frame = "odom";
+  std::string base_frame = "base_link";
+  /// Of the node's `sample` service, whose requests carry none.
+  int seed = 1;
   OdometryBufferParameters buffer;
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks

@@ -24,7 +24,7 @@ struct OdometrySample {
 
 struct OdometryBufferParameters {
   /// Length of the history that can be asked about.
-  double buffer_length_s = 10.0;
+  double buffer_duration_s = 10.0;
   /// A sample may arrive this much after newer ones and is still put in its place.
   double reorder_window_s = 0.5;
   /// A sample older than the newest by more than this means that the clock was set back: the
