@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_bringup/picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "ramscout_bringup/evaluation.hpp"
+
+namespace ramscout_bringup {
+namespace {
+
+using ram_slam::OccupancyGrid;
+using ram_slam::Pose2;
+
+constexpr int kLongestEdgePixels = 1600;  // of the map at most, but a cell is at least a pixel ...
+constexpr int kMostPixels = 6000;         // ... unless the picture would become longer than this
+constexpr int kLargestCellPixels = 8;
+constexpr double kMarginM = 1.0;
+constexpr int kLegendHeight = 46;
+constexpr int kLegendWidth = 860;
+constexpr double kFontScale = 0.5;
+constexpr int kFractionBits = 4;  // OpenCV draws to 1/16 pixel
+
+const cv::Scalar kFree(255, 255, 255);
+const cv::Scalar kUnknown(222, 222, 222);
+const cv::Scalar kOccupied(30, 30, 30);
+const cv::Scalar kEstimate(200, 90, 0);
+const cv::Scalar kTruth(60, 160, 60);
+const cv::Scalar kLandmark(40, 40, 220);
+const cv::Scalar kText(0, 0, 0);
+
+/// An axis-aligned box in the map frame [m]; empty by default.
+struct Box {
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9);
+  Eigen::Vector2d high = Eigen::Vector2d::Constant(-1e9);
+
+  void include(const Eigen::Vector2d& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+};
+
+/// Everything that is drawn, in the map frame.
+struct Scene {
+  const Results& results;
+  Trajectory truth;
+  Box box;
+};
+
+Trajectory truthInMap(const Results& results) {
+  if (results.ground_truth.empty() || results.trajectory.empty()) return {};
+  Trajectory truth = results.ground_truth;
+  try {
+    const Pose2 map_from_truth =
+        compareWithTruth(results.trajectory, truth).truth_from_map.inverse();
+    for (auto& pose : truth) pose.pose = map_from_truth * pose.pose;
+  } catch (const std::invalid_argument&) {
+    return {};  // nothing in common to align them by
+  }
+  return truth;
+}
+
+Scene sceneOf(const Results& results) {
+  Scene scene{results, truthInMap(results), {}};
+  const OccupancyGrid& map = results.map;
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      if (map.at(x, y) == ram_slam::kUnknownCell) continue;
+      for (const Eigen::Vector2d& corner : {Eigen::Vector2d(x, y), Eigen::Vector2d(x + 1, y + 1)}) {
+        scene.box.include(map.map_from_grid * Eigen::Vector2d(corner * map.resolution_m));
+      }
+    }
+  }
+  for (const auto& pose : results.trajectory) scene.box.include(pose.pose.translation());
+  for (const auto& pose : scene.truth) scene.box.include(pose.pose.translation());
+  if (scene.box.low.x() > scene.box.high.x()) scene.box.include(Eigen::Vector2d::Zero());
+  scene.box.low.array() -= kMarginM;
+  scene.box.high.array() += kMarginM;
+  return scene;
+}
+
+/// Draws in the map frame: x to the right, y up.
+class Canvas {
+public:
+  Canvas(const Box& box, double resolution_m) : low_(box.low), high_(box.high) {
+    const Eigen::Vector2d size_m = box.high - box.low;
+    const double cells = size_m.maxCoeff() / resolution_m;
+    const double cell_pixels =
+        std::clamp(std::floor(kLongestEdgePixels / cells), 1.0, double{kLargestCellPixels});
+    pixels_per_m_ = std::min(cell_pixels / resolution_m, kMostPixels / size_m.maxCoeff());
+    const int width = static_cast<int>(std::ceil(size_m.x() * pixels_per_m_));
+    const int height = static_cast<int>(std::ceil(size_m.y() * pixels_per_m_));
+    image_ = cv::Mat(height + kLegendHeight, std::max(width, kLegendWidth), CV_8UC3, kFree);
+    map_height_ = height;
+    image_(cv::Rect(0, 0, width, height)).setTo(kUnknown);
+  }
+
+  cv::Mat& image() { return image_; }
+  double pixelsPerM() const { return pixels_per_m_; }
+  int mapHeight() const { return map_height_; }
+
+  /// The pixel's centre in the map frame.
+  Eigen::Vector2d pointAt(int column, int row) const {
+    return {low_.x() + (column + 0.5) / pixels_per_m_, high_.y() - (row + 0.5) / pixels_per_m_};
+  }
+  /// In 1/16 pixels.
+  cv::Point pixelAt(const Eigen::Vector2d& point_m) const {
+    const Eigen::Vector2d pixel =
+        Eigen::Vector2d(point_m.x() - low_.x(), high_.y() - point_m.y()) * pixels_per_m_;
+    return {cvRound(pixel.x() * (1 << kFractionBits)), cvRound(pixel.y() * (1 << kFractionBits))};
+  }
+
+private:
+  Eigen::Vector2d low_;
+  Eigen::Vector2d high_;
+  double pixels_per_m_ = 1.0;
+  int map_height_ = 0;
+  cv::Mat image_;
+};
+
+void drawMap(Canvas& canvas, const OccupancyGrid& map) {
+  const Pose2 grid_from_map = map.map_from_grid.inverse();
+  for (int row = 0; row < canvas.mapHeight(); ++row) {
+    for (int column = 0; column < canvas.image().cols; ++column) {
+      const Eigen::Vector2d cell = grid_from_map * canvas.pointAt(column, row) / map.resolution_m;
+      const std::int8_t value =
+          map.at(static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y())));
+      if (value == ram_slam::kUnknownCell) continue;
+      const cv::Scalar color = kFree + (kOccupied - kFree) * (value / 100.0);
+      for (int channel = 0; channel < 3; ++channel) {
+        canvas.image().at<cv::Vec3b>(row, column)[channel] =
+            cv::saturate_cast<unsigned char>(color[channel]);
+      }
+    }
+  }
+}
+
+void drawPath(Canvas& canvas, const Trajectory& path, const cv::Scalar& color, int thickness) {
+  std::vector<cv::Point> points;
+  for (const auto& pose : path) points.push_back(canvas.pixelAt(pose.pose.translation()));
+  cv::polylines(canvas.image(), points, false, color, thickness, cv::LINE_AA, kFractionBits);
+}
+
+void drawLandmarks(Canvas& canvas, const std::vector<MapLandmark>& landmarks) {
+  for (const MapLandmark& landmark : landmarks) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(landmark.covariance_m2);
+    const Eigen::Vector2d sigma_m = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+    const Eigen::Vector2d major = axes.eigenvectors().col(1);
+    const double to_units = canvas.pixelsPerM() * (1 << kFractionBits);
+    const cv::Size half_axes(cvRound(sigma_m[1] * to_units), cvRound(sigma_m[0] * to_units));
+    // The picture's y points down, so that angles turn the other way.
+    const double angle_deg = -std::atan2(major.y(), major.x()) * 180.0 / M_PI;
+    const cv::Point centre = canvas.pixelAt(landmark.position_m);
+    cv::ellipse(canvas.image(), centre, half_axes, angle_deg, 0.0, 360.0, kLandmark, 1, cv::LINE_AA,
+                kFractionBits);
+    cv::circle(canvas.image(), centre, 3 << kFractionBits, kLandmark, cv::FILLED, cv::LINE_AA,
+               kFractionBits);
+  }
+}
+
+/// The longest of 1, 2, 5, 10 ... m that fits the space for the scale bar.
+double scaleBarM(double pixels_per_m) {
+  constexpr double kLongestPixels = 150.0;
+  double length_m = 0.1;
+  for (double decade_m = 0.1; decade_m < 1e6; decade_m *= 10.0) {
+    for (const double step : {1.0, 2.0, 5.0}) {
+      if (step * decade_m * pixels_per_m <= kLongestPixels) length_m = step * decade_m;
+    }
+  }
+  return length_m;
+}
+
+void write(cv::Mat& image, const std::string& text, const cv::Point& at) {
+  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, kFontScale, kText, 1, cv::LINE_AA);
+}
+
+void drawLegend(Canvas& canvas, bool has_truth) {
+  cv::Mat& image = canvas.image();
+  const int y = canvas.mapHeight() + kLegendHeight / 2;
+  const double bar_m = scaleBarM(canvas.pixelsPerM());
+  const int bar_end = 20 + cvRound(bar_m * canvas.pixelsPerM());
+  cv::rectangle(image, {20, y - 3}, {bar_end, y + 3}, kText, cv::FILLED);
+  std::array<char, 32> label{};
+  std::snprintf(label.data(), label.size(), "%g m", bar_m);
+  write(image, label.data(), {bar_end + 8, y + 5});
+
+  int x = 260;
+  cv::line(image, {x, y}, {x + 30, y}, kEstimate, 2, cv::LINE_AA);
+  write(image, "estimated path", {x + 38, y + 5});
+  x += 190;
+  if (has_truth) {
+    cv::line(image, {x, y}, {x + 30, y}, kTruth, 4, cv::LINE_AA);
+    write(image, "true path", {x + 38, y + 5});
+    x += 150;
+  }
+  cv::circle(image, {x + 15, y}, 3, kLandmark, cv::FILLED, cv::LINE_AA);
+  cv::ellipse(image, {x + 15, y}, {14, 8}, 0.0, 0.0, 360.0, kLandmark, 1, cv::LINE_AA);
+  write(image, "landmark, 1 sigma", {x + 38, y + 5});
+}
+
+}  // namespace
+
+std::string drawPicture(const Results& results) {
+  const Scene scene = sceneOf(results);
+  Canvas canvas(scene.box, results.map.resolution_m);
+  drawMap(canvas, results.map);
+  drawPath(canvas, scene.truth, kTruth, 4);
+  drawPath(canvas, results.trajectory, kEstimate, 2);
+  drawLandmarks(canvas, results.landmarks);
+  drawLegend(canvas, !scene.truth.empty());
+  std::vector<unsigned char> png;
+  if (!cv::imencode(".png", canvas.image(), png))
+    throw std::runtime_error("the picture could not be encoded");
+  return {png.begin(), png.end()};
+}
+
+}  // namespace ramscout_bringup

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_bringup/picture.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+namespace ramscout_bringup {
+namespace {
+
+constexpr std::int64_t kSecond = 1000000000;
+
+/// A room of 10 x 6 m with its lower left corner at the origin, and a path along its middle.
+Results room() {
+  Results results;
+  results.map.width = 200;
+  results.map.height = 120;
+  results.map.cells.assign(200 * 120, ram_slam::kFreeCell);
+  for (int x = 0; x < 200; ++x)
+    results.map.cells[results.map.index(x, 0)] = ram_slam::kOccupiedCell;
+  for (int i = 0; i <= 8; ++i)
+    results.trajectory.push_back({kSecond * (i + 1), {1.0 + i, 3.0, 0.0}});
+  return results;
+}
+
+cv::Mat decode(const std::string& png) {
+  return cv::imdecode(std::vector<unsigned char>(png.begin(), png.end()), cv::IMREAD_COLOR);
+}
+
+/// Pixel of a point of the room: 6 pixels per cell, 1 m of margin, y up.
+cv::Vec3b at(const cv::Mat& image, double x_m, double y_m) {
+  return image.at<cv::Vec3b>(static_cast<int>((6.0 + 1.0 - y_m) * 120.0),
+                             static_cast<int>((x_m + 1.0) * 120.0));
+}
+
+TEST(DrawPicture, HasWallsFloorPathAndLandmarksWhereTheyAre) {
+  Results results = room();
+  MapLandmark landmark;
+  landmark.position_m = {2.0, 5.0};
+  landmark.covariance_m2 << 0.25, 0.0, 0.0, 0.01;
+  results.landmarks.push_back(landmark);
+  const cv::Mat image = decode(drawPicture(results));
+  ASSERT_FALSE(image.empty());
+  EXPECT_EQ(at(image, 5.0, 1.0), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(at(image, 5.0, 0.025), cv::Vec3b(30, 30, 30));
+  EXPECT_EQ(at(image, 5.0, -0.5), cv::Vec3b(222, 222, 222));
+  EXPECT_GT(at(image, 5.5, 3.0)[0], at(image, 5.5, 3.0)[2] + 100);  // blue
+  EXPECT_GT(at(image, 2.0, 5.0)[2], at(image, 2.0, 5.0)[0] + 100);  // red
+  EXPECT_GT(at(image, 2.5, 5.0)[2], at(image, 2.5, 5.0)[0] + 50);  // the end of the 1-sigma ellipse
+  EXPECT_EQ(at(image, 2.0, 5.5), cv::Vec3b(255, 255, 255));
+}
+
+TEST(DrawPicture, TruthOfAnotherFrameIsDrawnOntoThePath) {
+  Results results = room();
+  const cv::Mat without = decode(drawPicture(results));
+  const ram_slam::Pose2 truth_from_map{100.0, -50.0, 2.0};
+  for (const auto& pose : results.trajectory) {
+    results.ground_truth.push_back({pose.stamp_ns, truth_from_map * pose.pose});
+  }
+  const cv::Mat with = decode(drawPicture(results));
+  EXPECT_EQ(with.size(), without.size());
+  EXPECT_NE(at(with, 5.5, 3.0 + 2.0 / 120.0), at(without, 5.5, 3.0 + 2.0 / 120.0));
+}
+
+TEST(DrawPicture, OfNothingIsStillAPicture) {
+  EXPECT_FALSE(decode(drawPicture(Results{})).empty());
+}
+
+}  // namespace
+}  // namespace ramscout_bringup
