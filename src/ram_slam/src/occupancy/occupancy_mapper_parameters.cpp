@@ -15,6 +15,12 @@ void require(const char* name, double value, double low, double high) {
   throw std::invalid_argument(message.str());
 }
 
+void requireFrame(const char* name, const std::string& frame) {
+  if (!frame.empty() && frame.front() != '/') return;
+  throw std::invalid_argument(std::string(name) +
+                              " must be a frame's name without leading slash, got '" + frame + "'");
+}
+
 }  // namespace
 
 void OccupancyMapperParameters::validate() const {
@@ -30,10 +36,8 @@ void OccupancyMapperParameters::validate() const {
   require("publish_period_s", publish_period_s, 0.1, 3600.0);
   require("update_period_s", update_period_s, 0.05, 3600.0);
   require("transform_timeout_s", transform_timeout_s, 0.0, 60.0);
-  if (map_frame.empty() || map_frame.front() == '/') {
-    throw std::invalid_argument("map_frame must be a frame without leading slash, got '" +
-                                map_frame + "'");
-  }
+  requireFrame("map_frame", map_frame);
+  requireFrame("base_frame", base_frame);
   if (map_folder.empty()) throw std::invalid_argument("map_folder must not be empty");
 }
 
@@ -49,6 +53,7 @@ OccupancyMapperParameters readOccupancyMapperParameters(ram_parameters::Paramete
   reader.read("key_angle_rad", parameters.key_angle_rad);
   reader.read("max_scan_count", parameters.max_scan_count);
   reader.read("map_frame", parameters.map_frame);
+  reader.read("base_frame", parameters.base_frame);
   reader.read("map_folder", parameters.map_folder);
   reader.read("publish_period_s", parameters.publish_period_s);
   reader.read("update_period_s", parameters.update_period_s);

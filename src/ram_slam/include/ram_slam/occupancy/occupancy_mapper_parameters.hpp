@@ -28,6 +28,7 @@ struct OccupancyMapperParameters {
 
   // The node only.
   std::string map_frame = "map";
+  std::string base_frame = "base_link";  ///< the frame whose trajectory is corrected
   std::string map_folder =
       "~/.ros/maps";                 ///< where save_map writes; a leading ~ is the home folder
   double publish_period_s = 5.0;     ///< between whole maps

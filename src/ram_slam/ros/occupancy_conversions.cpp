@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/ros/occupancy_conversions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "ram_slam/ros/conversions.hpp"
+
+namespace ram_slam_ros {
+
+nav_msgs::OccupancyGrid toOccupancyGridMessage(const ram_slam::OccupancyGrid& grid,
+                                               const std::string& frame_id,
+                                               std::int64_t stamp_ns) {
+  nav_msgs::OccupancyGrid message;
+  message.header.frame_id = frame_id;
+  message.header.stamp = toTime(stamp_ns);
+  message.info.map_load_time = message.header.stamp;
+  message.info.resolution = static_cast<float>(grid.resolution_m);
+  message.info.width = static_cast<std::uint32_t>(grid.width);
+  message.info.height = static_cast<std::uint32_t>(grid.height);
+  message.info.origin = toPoseMessage(grid.map_from_grid);
+  message.data = grid.cells;
+  return message;
+}
+
+map_msgs::OccupancyGridUpdate toUpdateMessage(const ram_slam::OccupancyGrid& grid,
+                                              const ram_slam::GridChange& change,
+                                              const std::string& frame_id,
+                                              std::int64_t stamp_ns) {
+  map_msgs::OccupancyGridUpdate message;
+  message.header.frame_id = frame_id;
+  message.header.stamp = toTime(stamp_ns);
+  message.x = change.x;
+  message.y = change.y;
+  message.width = static_cast<std::uint32_t>(change.width);
+  message.height = static_cast<std::uint32_t>(change.height);
+  for (int y = change.y; y < change.y + change.height; ++y) {
+    const auto row = grid.cells.begin() + static_cast<std::ptrdiff_t>(grid.index(change.x, y));
+    message.data.insert(message.data.end(), row, row + change.width);
+  }
+  return message;
+}
+
+ram_slam::OccupancyGrid toOccupancyGrid(const nav_msgs::OccupancyGrid& message) {
+  const nav_msgs::MapMetaData& info = message.info;
+  if (!(info.resolution > 0.0F) || !std::isfinite(info.resolution)) {
+    throw std::invalid_argument("occupancy grid with resolution " +
+                                std::to_string(info.resolution));
+  }
+  if (std::uint64_t{info.width} * info.height != message.data.size()) {
+    throw std::invalid_argument("occupancy grid of " + std::to_string(info.width) + " x " +
+                                std::to_string(info.height) + " with " +
+                                std::to_string(message.data.size()) + " cells");
+  }
+  const auto is_cell = [](std::int8_t value) { return value >= -1 && value <= 100; };
+  if (!std::all_of(message.data.begin(), message.data.end(), is_cell)) {
+    throw std::invalid_argument("occupancy grid with a cell that is not in -1..100");
+  }
+  ram_slam::OccupancyGrid grid;
+  // The message's resolution is a float: without its rounding noise, 0.05 is 0.05 again.
+  grid.resolution_m = std::round(static_cast<double>(info.resolution) * 1e7) / 1e7;
+  grid.map_from_grid = toPose2(info.origin);
+  grid.width = static_cast<int>(info.width);
+  grid.height = static_cast<int>(info.height);
+  grid.cells = message.data;
+  return grid;
+}
+
+ram_slam::Trajectory toTrajectory(const nav_msgs::Path& message) {
+  ram_slam::Trajectory trajectory;
+  trajectory.reserve(message.poses.size());
+  for (const geometry_msgs::PoseStamped& pose : message.poses) {
+    trajectory.push_back({toNanoseconds(pose.header.stamp), toPose2(pose.pose)});
+  }
+  ram_slam::validate(trajectory);
+  return trajectory;
+}
+
+}  // namespace ram_slam_ros

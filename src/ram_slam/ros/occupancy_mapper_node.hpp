@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include <nav_msgs/GetMap.h>
+#include <nav_msgs/Path.h>
+#include <ram_slam_msgs/SaveMap.h>
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/occupancy/key_scan_map.hpp"
+#include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
+
+namespace ram_slam_ros {
+
+/// Scans and tf in, occupancy map out: `map` and `map_metadata` (latched), `map_updates`, services
+/// `dynamic_map`,
+/// `~save_map`, `~reset`. Redraws the map when a `corrected_trajectory` arrives.
+///
+/// Made for several callback threads: drawing a message or writing a file holds the map no longer
+/// than copying what changed takes.
+class OccupancyMapperNode {
+public:
+  /// \throws std::invalid_argument if a parameter is refused
+  explicit OccupancyMapperNode(ram_parameters::ParameterReader& reader);
+
+private:
+  using ScanPtr = sensor_msgs::LaserScan::ConstPtr;
+
+  void onScan(const ScanPtr& message);
+  void onTrajectory(const nav_msgs::Path& message);
+  bool onDynamicMap(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
+  bool onSaveMap(ram_slam_msgs::SaveMap::Request& request,
+                 ram_slam_msgs::SaveMap::Response& response);
+  bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+
+  /// Maps the waiting scans whose poses are known; drops those that waited too long.
+  void mapWaiting();
+  /// The caller holds map_mutex_.
+  void map(const sensor_msgs::LaserScan& message);
+  /// Forgets the map, waiting scans and transforms; the caller holds map_mutex_.
+  void startAnew();
+  void publishMap();
+  void publishUpdate();
+  void reportSilence();
+  /// Brings grid_ up to date; the caller holds publish_mutex_.
+  ram_slam::GridChange refreshGrid();
+  ram_slam::OccupancyGrid wholeGrid();
+
+  ram_slam::OccupancyMapperParameters parameters_;
+  ros::NodeHandle node_;
+  ros::NodeHandle private_node_{"~"};
+  tf2_ros::Buffer transforms_;
+  tf2_ros::TransformListener transform_listener_{transforms_};
+
+  std::mutex map_mutex_;  ///< of the members up to the next blank line
+  ram_slam::KeyScanMap map_;
+  int map_generation_ = 0;  ///< how often it started anew
+  std::deque<ScanPtr> waiting_;
+  std::int64_t newest_scan_ns_ = 0;
+  std::atomic<std::int64_t> newest_mapped_ns_ = 0;
+  int received_count_ = 0;  ///< since the last report of silence
+  bool ever_mapped_ = false;
+  std::string last_problem_ = "no transform yet";
+
+  std::mutex
+      publish_mutex_;  ///< of the members up to the next blank line; locked before map_mutex_
+  ram_slam::OccupancyGrid grid_;
+  int grid_generation_ = 0;
+  std::uint64_t grid_revision_ = 0;
+  std::int64_t grid_stamp_ns_ = 0;
+
+  std::mutex save_mutex_;  ///< one save at a time
+
+  ros::Publisher map_publisher_;
+  ros::Publisher metadata_publisher_;
+  ros::Publisher update_publisher_;
+  ros::ServiceServer dynamic_map_service_;
+  ros::ServiceServer save_map_service_;
+  ros::ServiceServer reset_service_;
+  ros::Subscriber scan_subscriber_;
+  ros::Subscriber correction_subscriber_;
+  ros::Subscriber trajectory_subscriber_;
+  ros::Timer publish_timer_;
+  ros::Timer update_timer_;
+  ros::WallTimer waiting_timer_;
+  ros::WallTimer silence_timer_;
+};
+
+}  // namespace ram_slam_ros

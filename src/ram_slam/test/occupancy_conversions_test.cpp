@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/ros/occupancy_conversions.hpp"
+
+#include <limits>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "ram_slam/ros/conversions.hpp"
+
+namespace ram_slam_ros {
+namespace {
+
+ram_slam::OccupancyGrid exampleGrid() {
+  ram_slam::OccupancyGrid grid;
+  grid.map_from_grid = {-3.2, 6.4, 0.5};
+  grid.width = 3;
+  grid.height = 2;
+  grid.cells = {100, 0, -1, 50, 0, 1};
+  return grid;
+}
+
+TEST(OccupancyConversions, GridRoundTripKeepsOriginRotationAndCells) {
+  const nav_msgs::OccupancyGrid message = toOccupancyGridMessage(exampleGrid(), "map", 1500000000);
+  EXPECT_EQ(message.header.frame_id, "map");
+  EXPECT_EQ(message.header.stamp, ros::Time(1, 500000000));
+  const ram_slam::OccupancyGrid back = toOccupancyGrid(message);
+  EXPECT_EQ(back.cells, exampleGrid().cells);
+  EXPECT_EQ(back.width, 3);
+  EXPECT_EQ(back.resolution_m, 0.05);
+  EXPECT_NEAR(back.map_from_grid.yaw_rad, 0.5, 1e-12);
+}
+
+TEST(OccupancyConversions, UpdateHasTheCellsOfTheChangeOnly) {
+  const auto update = toUpdateMessage(exampleGrid(), {false, 1, 0, 2, 2}, "map", 1);
+  EXPECT_EQ(update.x, 1);
+  EXPECT_EQ(update.width, 2u);
+  EXPECT_THAT(update.data, testing::ElementsAre(0, -1, 0, 1));
+}
+
+TEST(OccupancyConversions, GridsThatContradictThemselvesAreRefused) {
+  const nav_msgs::OccupancyGrid good = toOccupancyGridMessage(exampleGrid(), "map", 1);
+  nav_msgs::OccupancyGrid bad = good;
+  bad.data.pop_back();
+  EXPECT_THROW(toOccupancyGrid(bad), std::invalid_argument);
+  bad = good;
+  bad.data[0] = 101;
+  EXPECT_THROW(toOccupancyGrid(bad), std::invalid_argument);
+  bad.data[0] = -2;
+  EXPECT_THROW(toOccupancyGrid(bad), std::invalid_argument);
+  for (const float resolution : {0.0F, -0.05F, std::numeric_limits<float>::quiet_NaN()}) {
+    bad = good;
+    bad.info.resolution = resolution;
+    EXPECT_THROW(toOccupancyGrid(bad), std::invalid_argument) << resolution;
+  }
+  bad = good;
+  bad.info.origin.orientation.w = 0.0;
+  EXPECT_THROW(toOccupancyGrid(bad), std::invalid_argument);
+}
+
+TEST(OccupancyConversions, PathIsReadAtTheStampsOfItsPoses) {
+  nav_msgs::Path path;
+  path.header.stamp = ros::Time(99, 0);
+  path.poses.resize(2);
+  for (auto& pose : path.poses) pose.pose = toPoseMessage({1.0, 2.0, 3.0});
+  path.poses[0].header.stamp = ros::Time(1, 5);
+  path.poses[1].header.stamp = ros::Time(2, 0);
+  const ram_slam::Trajectory trajectory = toTrajectory(path);
+  ASSERT_EQ(trajectory.size(), 2u);
+  EXPECT_EQ(trajectory[0].stamp_ns, 1000000005);
+  EXPECT_EQ(trajectory[0].pose.y_m, 2.0);
+  path.poses[1].header.stamp = ros::Time(1, 5);
+  EXPECT_THROW(toTrajectory(path), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ram_slam_ros
