@@ -1,5 +1,5 @@
 # The commands of this project; README.md says what each leaves behind.
-.PHONY: deps build test demo bench benchmark-logs lint format clean
+.PHONY: deps build demo test bench benchmark-logs lint format clean
 
 deps:
 	@scripts/install_dependencies.sh
@@ -12,6 +12,19 @@ demo: deps
 
 test: deps
 	@scripts/test.sh
+
+bench: deps
+	@scripts/bench.sh
+
+# LOGS: a folder of CARMEN logs with their relations
+benchmark-logs: build
+	@bash -c 'source scripts/environment.sh && source devel/setup.bash && scripts/benchmark_logs.py "$(abspath $(LOGS))" results/logs'
+
+lint: deps
+	@scripts/check_source.sh
+
+format:
+	@clang-format -i $$(git ls-files '*.hpp' '*.cpp')
 
 clean:
 	rm -rf build devel install

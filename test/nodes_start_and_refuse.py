@@ -15,7 +15,7 @@ NODES = {
     "occupancy_mapper": ("ram_slam", "resolution", "0.0"),
     "kinematics": ("ramscout_kinematics", "buffer_duration_s", "-1.0"),
     "feature_detector": ("ramscout_feature_detector", "ppm", "0"),
-    "simulator": ("ramscout_sim", "scan_rate_hz", "-1.0"),
+    "simulator": ("ramscout_sim", "physics_rate_hz", "-1.0"),
 }
 START_TIMEOUT_S = 20.0
 ALIVE_S = 1.5

@@ -2,13 +2,12 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/trajectory.hpp"
 
 namespace ramscout_bringup {
 
-using Trajectory = std::vector<ram_slam::StampedPose2>;
+using ram_slam::Trajectory;
 
 /// Reads a trajectory in the TUM format, plain or packed (.gz, .xz): lines `stamp x y z qx qy qz
 /// qw` [s, m]; `#` starts a comment. The planar part is kept, the poses sorted by stamp. Stamps are

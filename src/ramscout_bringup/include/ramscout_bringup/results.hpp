@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "ram_slam/occupancy/occupancy_grid.hpp"
+#include "ramscout_bringup/trajectory_file.hpp"
+
+namespace ramscout_bringup {
+
+/// A landmark of the final map.
+struct MapLandmark {
+  std::uint32_t id = 0;
+  std::string type;
+  std::string classifier;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();         ///< in the map frame
+  Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();  ///< of the position
+  double existence_log_odds = 0.0;
+};
+
+/// What a run leaves behind, whether it ran live or offline.
+struct Results {
+  ram_slam::OccupancyGrid map;
+  std::vector<MapLandmark> landmarks;
+  Trajectory trajectory;         ///< the final estimate: map_from_base at each scan's stamp
+  Trajectory trajectory_online;  ///< the estimate as it was known at each stamp
+  Trajectory ground_truth;       ///< empty if unknown; in a frame of its own
+  std::string pose_graph_g2o;    ///< empty if no graph was made
+  nlohmann::ordered_json summary;
+};
+
+/// Writes map.pgm, map.yaml, map.png, trajectory.tum, trajectory_online.tum, landmarks.yaml,
+/// summary.json and, if there, ground_truth.tum and pose_graph.g2o. Each file replaces an older one
+/// in one step. \throws std::system_error naming the file and the system's reason
+void writeResults(const Results& results, const std::string& folder);
+
+/// The landmarks as YAML: a list of maps with the fields of MapLandmark, covariance row by row.
+std::string toYaml(const std::vector<MapLandmark>& landmarks);
+
+}  // namespace ramscout_bringup

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <nav_msgs/OccupancyGrid.h>
+#include <nav_msgs/Odometry.h>
+#include <nav_msgs/Path.h>
+#include <ram_slam_msgs/LandmarkMap.h>
+#include <ros/ros.h>
+#include <std_msgs/Float32.h>
+
+#include "ram_parameters/parameter_reader.hpp"
+#include "ramscout_bringup/results.hpp"
+
+namespace ramscout_bringup_ros {
+
+/// What the recorder must find to call a run good.
+struct ResultsRecorderParameters {
+  std::string output;  ///< folder to write to; must exist
+  double max_position_error_m =
+      0.15;  ///< bound of the root mean square after alignment with the truth
+  double max_yaw_error_rad = 0.0262;  ///< likewise (1.5 degrees)
+  double start_timeout_s = 60.0;      ///< wall time to wait for the first pose
+  double silence_timeout_s = 60.0;    ///< wall time without progress after which the run has failed
+  double settle_time_s =
+      10.0;  ///< wall time to wait for the last map and trajectory after the tour
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+ResultsRecorderParameters readResultsRecorderParameters(ram_parameters::ParameterReader& reader);
+
+/// Listens to a run of the whole stack until the tour is over, then writes the result files and a
+/// verdict.
+class ResultsRecorder {
+public:
+  explicit ResultsRecorder(ResultsRecorderParameters parameters);
+
+  /// Blocks until the tour is over and everything is written; shows progress on standard output.
+  /// \return whether the estimate is within the bounds
+  /// \throws std::runtime_error if nothing is heard for too long, naming the topics that were
+  /// silent
+  bool run();
+
+private:
+  void waitForTour();
+  void waitForLastMessages();
+  std::string silentTopics() const;
+  ramscout_bringup::Results results() const;
+
+  ResultsRecorderParameters parameters_;
+  ros::NodeHandle node_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::optional<nav_msgs::OccupancyGrid> map_;
+  std::optional<nav_msgs::Path> path_;
+  std::optional<ram_slam_msgs::LandmarkMap> landmarks_;
+  ramscout_bringup::Trajectory online_;
+  ramscout_bringup::Trajectory ground_truth_;
+  double progress_ = 0.0;
+  ros::WallTime started_;
+};
+
+}  // namespace ramscout_bringup_ros
