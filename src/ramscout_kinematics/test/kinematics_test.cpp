@@ -141,9 +141,15 @@ TEST(Kinematics, NoiseAgreesWithWheelsThatErrEveryMillimetre) {
   }
 }
 
-TEST(Kinematics, SplittingAnIntervalChangesNothing) {
+class EveryModel : public testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Kinematics,
+                         EveryModel,
+                         testing::Values("ackermann", "differential", "holonomic"));
+
+TEST_P(EveryModel, SplittingAnIntervalChangesNothing) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    Kinematics kinematics(unlimited(differential(0.4, 1e-4, 2e-4)));
+    Kinematics kinematics(unlimited(makeDriveModel(GetParam())));
     addAll(kinematics, randomDrive(seed, 2.0, 0.02));
     ram_slam::Random random(seed, 1);
     double times_s[] = {1.9 * random.uniform(), 1.9 * random.uniform(), 1.9 * random.uniform()};
@@ -203,8 +209,8 @@ TEST(Kinematics, EmptyIntervalIsTheIdentityAndHasNoSpread) {
             start.state);
 }
 
-TEST(Kinematics, SamplesHaveMeanAndCovarianceOfThePrediction) {
-  Kinematics kinematics(unlimited(differential(0.4, 1e-4, 2e-4)));
+TEST_P(EveryModel, SamplesHaveMeanAndCovarianceOfThePrediction) {
+  Kinematics kinematics(unlimited(makeDriveModel(GetParam())));
   addAll(kinematics, randomDrive(3, 3.0, 0.02));
   const Eigen::Index count = 100000;
   const Eigen::Vector3d start(5.0, -2.0, 0.7);
@@ -375,6 +381,26 @@ TEST(ReadKinematicsParameters, ChoosesTheModelAndReadsItsBlock) {
       "{model: differential, differential: {left_noise_m2_per_m: 4.0, right_noise_m2_per_m: 0}}");
   const auto parameters = readKinematicsParameters(source);
   EXPECT_EQ(parameters.drive_model->noise({1.0, 0.0, 0.0})(0, 0), 1.0);
+}
+
+/// A platform of the test's own: it slides.
+class Sledge : public DriveModel {
+public:
+  Eigen::Matrix3d noise(const Eigen::Vector3d& increment) const override {
+    return increment.norm() * Eigen::Matrix3d::Identity();
+  }
+};
+const DriveModelRegistration kSledge(
+    "sledge", [](ram_parameters::ParameterReader& reader) -> std::shared_ptr<const DriveModel> {
+      reader.rejectUnknown();
+      return std::make_shared<Sledge>();
+    });
+
+TEST(ReadKinematicsParameters, ModelIsKnownByItsRegistrationAlone) {
+  auto source = reader("{model: sledge}");
+  Kinematics kinematics(readKinematicsParameters(source));
+  addAll(kinematics, drive({1.0, 0.0, 0.0}, 1.0, 0.1));
+  EXPECT_NEAR(kinematics.motion(after(0.0), after(1.0)).covariance(2, 2), 1.0, 1e-9);
 }
 
 TEST(ReadKinematicsParameters, RefusesWhatItDoesNotKnow) {
