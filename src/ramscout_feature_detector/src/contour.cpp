@@ -8,9 +8,11 @@
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr double kPriorPoints = 4.0;
+constexpr double kPriorPoints = 8.0;
 constexpr std::size_t kSmoothingHalfWidth = 4;
 constexpr double kSmallestSpreadM2 = 1e-12;
+constexpr int kRefinements = 2;
+constexpr double kSmallestCosIncidence = 0.05;
 
 }  // namespace
 
@@ -81,6 +83,41 @@ LineFit Contour::fit(std::size_t first, std::size_t last) const {
   if (axis.dot(points_m_[last] - points_m_[first]) < 0.0) axis = -axis;
   const double norm = axis.norm();
   if (norm > 0.0) line.direction = axis / norm;
+  return line;
+}
+
+LineFit Contour::refine(LineFit line, std::size_t first, std::size_t last) const {
+  for (int i = 0; i < kRefinements; ++i) {
+    const Eigen::Vector2d normal(-line.direction.y(), line.direction.x());
+    const double distance_m = normal.dot(line.centroid_m);
+    double w = 0.0, wt = 0.0, wtt = 0.0, we = 0.0, wte = 0.0, wee = 0.0;
+    for (std::size_t j = first; j <= last; ++j) {
+      const Eigen::Vector2d beam = points_m_[j].normalized();
+      const double incidence = normal.dot(beam);
+      const double cos_incidence =
+          std::copysign(std::max(std::abs(incidence), kSmallestCosIncidence), incidence);
+      const double along_m =
+          line.direction.dot(distance_m / cos_incidence * beam - line.centroid_m);
+      const double across_m = normal.dot(points_m_[j]) - distance_m;
+      const double weight = 1.0 / (cos_incidence * cos_incidence);
+      w += weight;
+      wt += weight * along_m;
+      wtt += weight * along_m * along_m;
+      we += weight * across_m;
+      wte += weight * along_m * across_m;
+      wee += weight * across_m * across_m;
+    }
+    const double mean_along_m = wt / w;
+    const double mean_across_m = we / w;
+    const double spread = std::max(wtt - wt * mean_along_m, kSmallestSpreadM2 * w);
+    const double slope = (wte - wt * mean_across_m) / spread;
+    const double points_per_weight = line.count / w;
+    line.centroid_m += mean_along_m * line.direction + mean_across_m * normal;
+    line.direction = (line.direction + slope * normal).normalized();
+    line.spread_m2 = spread * points_per_weight;
+    line.residual_m2 =
+        std::max(wee - we * mean_across_m - slope * slope * spread, 0.0) * points_per_weight;
+  }
   return line;
 }
 

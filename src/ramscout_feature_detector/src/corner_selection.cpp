@@ -66,7 +66,8 @@ bool isAdmissible(const TwoLineCorner& corner,
     return (corner.position_m - end_m).norm() < parameters.occlude_limit;
   };
   if (!contour.closed() && (nearEnd(contour.front()) || nearEnd(contour.back()))) return false;
-  return corner.significance >= parameters.significance_min &&
+  return corner.cornerness >= parameters.corner_threshold &&
+         corner.significance >= parameters.significance_min &&
          isCertain(corner.covariance_m2, parameters);
 }
 

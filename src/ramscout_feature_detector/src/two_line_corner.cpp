@@ -18,10 +18,15 @@ constexpr std::size_t kSmallestLegPoints = 3;
 
 constexpr double kSplitWindowM = 0.2;
 constexpr int kMostRecentrings = 5;
-constexpr std::array kLegLengthsM = {0.8, 0.4, 0.2, 0.1};
-constexpr double kStraightSigmas = 1.5;
+constexpr std::array kLegLengthsM = {0.1, 0.2, 0.4, 0.8};
+constexpr double kContinuationSigmas = 4.0;
+/// Shorter lines than this many standard deviations of the range have no direction.
+constexpr double kShortestLineSigmas = 10.0;
+constexpr double kStraightSigmas = 1.2;
+constexpr double kUnseenSpacings = 2.0;
+constexpr double kUnseenSigmas = 4.0;
+constexpr double kMarginSigmas = 3.0;
 constexpr double kSmallestSinOpening = 0.1;
-constexpr double kFarthestCrossingM = 0.1;
 constexpr double kSmallestCosIncidence = 0.3;
 /// What the model of two straight lines leaves out (1 mm).
 constexpr double kModelVarianceM2 = 1e-6;
@@ -59,6 +64,7 @@ double significanceOf(const LineFit& a,
 std::vector<double> screen(const Contour& contour, const FeatureDetectorParameters& parameters) {
   std::vector<double> best(contour.size(), 0.0);
   for (const double scale_m : kScreenScalesM) {
+    if (scale_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
     std::size_t first = 0;
     std::size_t last = 0;
     for (std::size_t i = 0; i < contour.size(); ++i) {
@@ -93,28 +99,97 @@ std::size_t bestSplit(const Contour& contour, std::size_t first, std::size_t las
   return best;
 }
 
+/// Whether the distances from the line are no larger than noise makes them: chi square of the
+/// distances.
 bool isStraight(const LineFit& line, const FeatureDetectorParameters& parameters) {
-  const double limit_m = kStraightSigmas * parameters.laser_range_sigma;
-  return line.residual_m2 <= limit_m * limit_m * std::max(line.count - 2, 1);
+  const double sigma_m = kStraightSigmas * parameters.laser_range_sigma;
+  const double freedom = line.count - 2;
+  return line.residual_m2 <=
+         sigma_m * sigma_m * (freedom + kContinuationSigmas * std::sqrt(2.0 * freedom));
+}
+
+/// Whether the points by which `longer` exceeds `line` lie on the same line: chi square of the
+/// added distances.
+bool isContinued(const LineFit& line, const LineFit& longer, double prior_m2) {
+  const double added = longer.count - line.count;
+  return longer.residual_m2 - line.residual_m2 <=
+         line.noiseVariance(prior_m2) * (added + kContinuationSigmas * std::sqrt(2.0 * added));
+}
+
+/// A straight run of points of the contour.
+struct Leg {
+  std::size_t first;
+  std::size_t last;
+  LineFit line;
+};
+
+/// The points of the contour within a distance before the split, or after it.
+std::optional<Leg> legOf(const Contour& contour, std::size_t split, bool before, double length_m) {
+  std::size_t first = split + 1;
+  std::size_t last = split;
+  if (before) {
+    first = contour.indexAt(contour.arc_m(split) - length_m);
+  } else {
+    last = contour.indexAt(contour.arc_m(first) + length_m);
+    if (contour.arc_m(last) > contour.arc_m(first) + length_m) --last;
+  }
+  if (last + 1 < first + kSmallestLegPoints) return std::nullopt;
+  return Leg{first, last, contour.fit(first, last)};
 }
 
 /// The longest straight leg that ends (before) or begins (after) at the split.
-std::optional<LineFit> longestLeg(const Contour& contour,
-                                  std::size_t split,
-                                  bool before,
-                                  const FeatureDetectorParameters& parameters) {
+std::optional<Leg> longestLeg(const Contour& contour,
+                              std::size_t split,
+                              bool before,
+                              const FeatureDetectorParameters& parameters) {
+  std::optional<Leg> longest;
   for (const double length_m : kLegLengthsM) {
-    const std::size_t first = before ? contour.indexAt(contour.arc_m(split) - length_m) : split + 1;
-    std::size_t last = split;
-    if (!before) {
-      last = contour.indexAt(contour.arc_m(first) + length_m);
-      if (contour.arc_m(last) > contour.arc_m(first) + length_m) --last;
+    if (length_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
+    const auto leg = legOf(contour, split, before, length_m);
+    if (!leg) continue;
+    if (longest &&
+        !isContinued(longest->line, leg->line, expectedNoise(longest->line, parameters))) {
+      break;
     }
-    if (last + 1 < first + kSmallestLegPoints) continue;
-    const LineFit line = contour.fit(first, last);
-    if (isStraight(line, parameters)) return line;
+    if (!isStraight(leg->line, parameters)) break;
+    longest = leg;
   }
-  return std::nullopt;
+  return longest;
+}
+
+/// Whether the leg is seen up to the corner: else one surface ends in front of another, and the
+/// lines cross where nothing was seen.
+bool reaches(const Contour& contour,
+             const Leg& leg,
+             bool before,
+             const Eigen::Vector2d& corner_m,
+             const FeatureDetectorParameters& parameters) {
+  const double length_m = leg.line.direction.dot(contour[leg.last] - contour[leg.first]);
+  const double spacing_m = length_m / (leg.line.count - 1);
+  const Eigen::Vector2d& end = contour[before ? leg.last : leg.first];
+  return (end - corner_m).norm() <=
+         kUnseenSpacings * spacing_m + kUnseenSigmas * parameters.laser_range_sigma;
+}
+
+/// The leg's line without the points closer to the corner than noise reaches: which leg they were
+/// counted to depended on their noise.
+LineFit trimmedLine(const Contour& contour,
+                    Leg leg,
+                    bool before,
+                    const Eigen::Vector2d& corner_m,
+                    double margin_m) {
+  const auto isTooClose = [&](std::size_t index) {
+    return std::abs(leg.line.direction.dot(contour[index] - corner_m)) < margin_m;
+  };
+  while (leg.last + 1 > leg.first + kSmallestLegPoints &&
+         isTooClose(before ? leg.last : leg.first)) {
+    if (before) {
+      --leg.last;
+    } else {
+      ++leg.first;
+    }
+  }
+  return contour.refine(contour.fit(leg.first, leg.last), leg.first, leg.last);
 }
 
 /// Variance of the line's distance from a point in its prolongation.
@@ -186,13 +261,17 @@ std::optional<TwoLineCorner> fitCorner(const Contour& contour,
   const auto before = longestLeg(contour, split, true, parameters);
   const auto after = longestLeg(contour, split, false, parameters);
   if (!before || !after) return std::nullopt;
-  auto corner = cross(*before, *after, parameters);
+  const auto rough = cross(before->line, after->line, parameters);
+  if (!rough || !reaches(contour, *before, true, rough->position_m, parameters) ||
+      !reaches(contour, *after, false, rough->position_m, parameters)) {
+    return std::nullopt;
+  }
+  const double sin_opening = std::abs(normalOf(before->line).dot(after->line.direction));
+  const double margin_m = kMarginSigmas * parameters.laser_range_sigma / sin_opening;
+  auto corner = cross(trimmedLine(contour, *before, true, rough->position_m, margin_m),
+                      trimmedLine(contour, *after, false, rough->position_m, margin_m), parameters);
   if (!corner) return std::nullopt;
   corner->split = split;
-  const double spacing_m = (contour[split + 1] - contour[split]).norm();
-  const double nearest_m = std::min((corner->position_m - contour[split]).norm(),
-                                    (corner->position_m - contour[split + 1]).norm());
-  if (nearest_m > std::max(kFarthestCrossingM, spacing_m)) return std::nullopt;
   return corner;
 }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "ram_slam/laser_scan.hpp"
 #include "ram_slam/pose2.hpp"
@@ -28,20 +30,24 @@ struct PolygonWorld {
     }
   }
 
-  /// Distance to the first wall in a direction; infinite if there is none.
-  double range_m(const Eigen::Vector2d& from_m, double bearing_rad) const {
+  /// What a beam meets first; wall -1 and an infinite range if nothing.
+  struct Hit {
+    int wall = -1;
+    double range_m = std::numeric_limits<double>::infinity();
+  };
+  Hit hit(const Eigen::Vector2d& from_m, double bearing_rad) const {
     const Eigen::Vector2d beam(std::cos(bearing_rad), std::sin(bearing_rad));
-    double nearest_m = std::numeric_limits<double>::infinity();
-    for (const Wall& wall : walls) {
-      const Eigen::Vector2d along = wall.to_m - wall.from_m;
-      const Eigen::Vector2d offset = wall.from_m - from_m;
+    Hit first;
+    for (std::size_t i = 0; i < walls.size(); ++i) {
+      const Eigen::Vector2d along = walls[i].to_m - walls[i].from_m;
+      const Eigen::Vector2d offset = walls[i].from_m - from_m;
       const double determinant = beam.x() * along.y() - beam.y() * along.x();
       if (std::abs(determinant) < 1e-12) continue;
       const double t = (offset.x() * along.y() - offset.y() * along.x()) / determinant;
       const double s = (offset.x() * beam.y() - offset.y() * beam.x()) / determinant;
-      if (t > 0.0 && s >= 0.0 && s <= 1.0) nearest_m = std::min(nearest_m, t);
+      if (t > 0.0 && s >= 0.0 && s <= 1.0 && t < first.range_m) first = {static_cast<int>(i), t};
     }
-    return nearest_m;
+    return first;
   }
 
   /// A Hokuyo UTM-30LX's view: 1081 beams over 270 degrees, +Inf beyond 30 m.
@@ -64,8 +70,9 @@ struct PolygonWorld {
     scan.range_min_m = 0.05F;
     scan.range_max_m = 30.0F;
     for (int beam = 0; beam < beams; ++beam) {
-      const double exact_m = range_m(world_from_laser.translation(),
-                                     world_from_laser.yaw_rad + scan.bearing_rad(beam));
+      const double exact_m =
+          hit(world_from_laser.translation(), world_from_laser.yaw_rad + scan.bearing_rad(beam))
+              .range_m;
       const double measured_m = exact_m + noise_m * random.gaussian();
       scan.ranges_m.push_back(exact_m < 30.0 ? static_cast<float>(measured_m)
                                              : std::numeric_limits<float>::infinity());

@@ -18,7 +18,7 @@ struct LineFit {
   double residual_m2 = 0.0;      ///< sum of squared distances from the line
 
   /// Variance of one point's distance from the line [m^2]: measured, with the sensor's variance as
-  /// a prior that counts as much as four points.
+  /// a prior that counts as much as eight points.
   double noiseVariance(double prior_m2) const;
   /// Variance of the direction's angle [rad^2] for points of that noise.
   double angleVariance(double noise_m2) const { return noise_m2 / spread_m2; }
@@ -48,6 +48,11 @@ public:
 
   /// Line through the points first..last, both included; needs last > first.
   LineFit fit(std::size_t first, std::size_t last) const;
+
+  /// The same line without the bias that range noise gives it: noise moves points along their
+  /// beams, so not only across the line but along it, too. Regression on the places where the beams
+  /// meet the line, weighted for equal noise of all ranges; takes time for every point.
+  LineFit refine(LineFit line, std::size_t first, std::size_t last) const;
 
 private:
   struct Sums {

@@ -26,7 +26,7 @@ struct FeatureDetectorParameters {
   double covariance_limit = 0.7;
   double corner_threshold = 0.08;
   double significance_min = 16.0;
-  double position_sigma_limit = 0.05;
+  double position_sigma_limit = 0.035;
   /// Only the node uses it: the frame of its features.
   std::string base_frame = "base_link";
 

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Precision, recall and calibration of the detector in random worlds.
+//
+// simulated_worlds [first seed] [worlds of each kind] [poses per world] [noise, m]
+// [laser_range_sigma, m]
+//
+// A feature is true if a corner of the world's geometry lies within 10 cm. A corner is visible if
+// at least 0.3 m of wall are seen without a gap on both of its sides, by at least 10 beams in all,
+// less than 8 m away, and its opening is at most 140 degrees; it is found if a feature lies within
+// 10 cm.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+
+#include "ramscout_feature_detector/feature_detector.hpp"
+
+#include "../test/random_world.hpp"
+
+namespace {
+
+using namespace ramscout_feature_detector;
+
+constexpr double kTrueM = 0.1;
+constexpr double kLegM = 0.3;
+constexpr double kFarthestM = 8.0;
+constexpr int kLeastBeams = 10;
+constexpr double kWidestOpeningRad = 140.0 * M_PI / 180.0;
+
+/// Corners that the lidar sees well, in the laser's frame.
+std::vector<Eigen::Vector2d> visibleCorners(const PolygonWorld& world,
+                                            const ram_slam::Pose2& pose,
+                                            const ram_slam::LaserScan& geometry) {
+  struct Run {
+    int wall;
+    Eigen::Vector2d first, last;
+    int beams;
+  };
+  std::vector<Run> runs;
+  for (std::size_t beam = 0; beam < geometry.ranges_m.size(); ++beam) {
+    const double bearing_rad = geometry.bearing_rad(beam);
+    const auto hit = world.hit(pose.translation(), pose.yaw_rad + bearing_rad);
+    const Eigen::Vector2d end =
+        hit.range_m * Eigen::Vector2d(std::cos(bearing_rad), std::sin(bearing_rad));
+    if (runs.empty() || runs.back().wall != hit.wall) runs.push_back({hit.wall, end, end, 0});
+    runs.back().last = end;
+    ++runs.back().beams;
+  }
+  std::vector<Eigen::Vector2d> corners;
+  for (std::size_t i = 1; i < runs.size(); ++i) {
+    const Run& a = runs[i - 1];
+    const Run& b = runs[i];
+    if (a.wall < 0 || b.wall < 0 || a.beams < 2 || b.beams < 2 || a.beams + b.beams < kLeastBeams)
+      continue;
+    const Eigen::Vector2d along_a = (a.first - a.last).normalized();
+    const Eigen::Vector2d along_b = (b.last - b.first).normalized();
+    Eigen::Matrix2d directions;
+    directions << along_a, -along_b;
+    if (std::acos(std::clamp(along_a.dot(along_b), -1.0, 1.0)) > kWidestOpeningRad) continue;
+    const Eigen::Vector2d t = directions.inverse() * (b.first - a.last);
+    const Eigen::Vector2d corner = a.last + t.x() * along_a;
+    const Eigen::Vector2d in_world = pose * corner;
+    const auto nearWall = [&](int wall) {
+      const auto& w = world.walls[wall];
+      return (in_world - w.from_m).norm() + (in_world - w.to_m).norm() <
+             (w.to_m - w.from_m).norm() + 1e-6;
+    };
+    if (nearWall(a.wall) && nearWall(b.wall) && (a.first - corner).norm() >= kLegM &&
+        (b.last - corner).norm() >= kLegM && corner.norm() < kFarthestM) {
+      corners.push_back(corner);
+    }
+  }
+  return corners;
+}
+
+struct Score {
+  int features = 0, true_features = 0, visible = 0, found = 0;
+  double nees = 0.0;
+  int nees_count = 0, nees_outliers = 0;
+  double time_s = 0.0;
+  int scans = 0;
+
+  void print(const char* name) const {
+    std::printf(
+        "%-9s scans %d features/scan %.2f precision %.4f (%d false) recall %.4f (of %d) NEES %.2f "
+        "(%d of %d beyond 99.9 %%) %.3f ms\n",
+        name, scans, 1.0 * features / scans, 1.0 * true_features / features,
+        features - true_features, 1.0 * found / visible, visible, nees / nees_count, nees_outliers,
+        nees_count, 1e3 * time_s / scans);
+  }
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int seed = argc > 1 ? std::atoi(argv[1]) : 1;
+  const int worlds = argc > 2 ? std::atoi(argv[2]) : 1;
+  const int poses = argc > 3 ? std::atoi(argv[3]) : 200;
+  const double noise_m = argc > 4 ? std::atof(argv[4]) : 0.01;
+  FeatureDetectorParameters parameters;
+  if (argc > 5) parameters.laser_range_sigma = std::atof(argv[5]);
+  const bool verbose = std::getenv("VERBOSE") != nullptr;
+  const FeatureDetector detector(parameters);
+  const std::pair<const char*, RandomWorld::Kind> kinds[] = {
+      {"office", RandomWorld::Kind::kOffice},
+      {"polygons", RandomWorld::Kind::kPolygons},
+      {"hall", RandomWorld::Kind::kHall}};
+  for (const auto& [name, kind] : kinds) {
+    Score score;
+    for (int i = 0; i < worlds * poses; ++i) {
+      const RandomWorld random_world(kind, seed + i / poses);
+      const PolygonWorld world = random_world.walls();
+      ram_slam::Random random(seed, 1000 + i);
+      const ram_slam::Pose2 pose = random_world.freePose(random);
+      const ram_slam::LaserScan scan = world.scan(pose, noise_m, random);
+      const auto start = std::chrono::steady_clock::now();
+      const auto list = detector.detect(scan, {});
+      score.time_s +=
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      ++score.scans;
+      const auto visible = visibleCorners(world, pose, scan);
+      for (const auto& feature : list.features) {
+        ++score.features;
+        const double off_m = random_world.distanceToCorner_m(pose * feature.position_m);
+        score.true_features += off_m <= kTrueM ? 1 : 0;
+        if (verbose && off_m > kTrueM) {
+          const Eigen::Vector2d p = pose * feature.position_m;
+          for (const auto& c : detector.analyse(scan).corners)
+            if ((c.lines.position_m - feature.position_m).norm() < 1e-6)
+              std::printf(
+                  "false %s world %d scan %d range %.2f at %.3f %.3f off %.2f sigma %.3f rho %.3f "
+                  "%.3f chi2 %.1f\n",
+                  name, seed + i / poses, i, feature.position_m.norm(), p.x(), p.y(), off_m,
+                  std::sqrt(feature.covariance_m2.trace()), c.lines.cornerness, c.cornerness,
+                  c.lines.significance);
+        }
+      }
+      for (const Eigen::Vector2d& corner : visible) {
+        ++score.visible;
+        bool found = false;
+        for (const auto& feature : list.features) {
+          const Eigen::Vector2d error = feature.position_m - corner;
+          if (error.norm() > kTrueM) continue;
+          found = true;
+          const double e2 = error.dot(feature.covariance_m2.inverse() * error);
+          score.nees_outliers += e2 > 13.8 ? 1 : 0;
+          if (verbose && e2 > 13.8)
+            std::printf("off %s world %d scan %d range %.2f error %.3f expected %.3f chi2 %.1f\n",
+                        name, seed + i / poses, i, corner.norm(), error.norm(),
+                        std::sqrt(feature.covariance_m2.trace()), e2);
+          score.nees += error.dot(feature.covariance_m2.inverse() * error);
+          ++score.nees_count;
+        }
+        score.found += found ? 1 : 0;
+        if (verbose && !found) {
+          const Eigen::Vector2d p = pose * corner;
+          std::printf("missed %s world %d scan %d range %.2f at %.3f %.3f\n", name,
+                      seed + i / poses, i, corner.norm(), p.x(), p.y());
+        }
+      }
+    }
+    score.print(name);
+  }
+}
