@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "ram_slam/fast_slam/landmark.hpp"
+#include "ram_slam/fast_slam/landmark_tree.hpp"
+#include "ram_slam/fast_slam/parameters.hpp"
+
+namespace ram_slam {
+
+/// A landmark that a feature may show, the same for all particles: near enough for some particle,
+/// of the same type.
+struct Prospect {
+  LandmarkId id = 0;
+  bool confirmed = false;             ///< may correct the pose
+  double log_likelihood_ratio = 0.0;  ///< of the classifiers
+};
+
+/// One feature as all particles see it.
+struct Observation {
+  PointMeasurement measured;
+  std::vector<Prospect> prospects;
+};
+
+/// What a particle takes a feature for.
+enum class Verdict {
+  kMatched,  ///< a landmark seen again
+  kNew,      ///< something seen for the first time
+  kIgnored,  ///< neither is certain enough: no use is made of it
+};
+struct Association {
+  Verdict verdict = Verdict::kIgnored;
+  LandmarkId id = 0;  ///< of the landmark, if matched
+};
+
+/// What the features of one reading say to one particle.
+struct Evidence {
+  PoseWithCovariance2
+      map_from_base;  ///< with the confirmed landmarks among the matched taken into account
+  double log_likelihood_ratio =
+      0.0;  ///< of the features, to their showing things unknown: the weight
+  std::vector<Association> associations;  ///< one per observation
+  double squared_mahalanobis = 0.0;       ///< sum over the features that corrected the pose
+  int correction_count = 0;               ///< their number
+};
+
+/// FastSLAM 2.0: associates by position (Mahalanobis distance within the gate) and classifier, each
+/// landmark at most once, and corrects the pose by one confirmed landmark after the other, the
+/// surest first. What was uncertain is looked at again from the corrected pose. (Montemerlo et al.,
+/// IJCAI 2003; the weight is the product of the innovations' densities, each over the density of
+/// unknown features.)
+Evidence associate(const std::vector<Observation>& observations,
+                   const LandmarkTree& landmarks,
+                   const PoseWithCovariance2& map_from_base,
+                   const FastSlamParameters& parameters);
+
+/// FastSLAM 1.0 as the source describes it: the nearest landmark is matched below
+/// `feature_match_distance`, the feature is new beyond `minimum_feature_separation`, and ignored
+/// between; the pose stays as it is.
+Evidence associateByDistance(const std::vector<Observation>& observations,
+                             const LandmarkTree& landmarks,
+                             const Pose2& map_from_base,
+                             const FastSlamParameters& parameters);
+
+}  // namespace ram_slam

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ram_slam/fast_slam/association.hpp"
+#include "ram_slam/fast_slam/field_of_view.hpp"
+#include "ram_slam/fast_slam/landmark_map.hpp"
+#include "ram_slam/fast_slam/landmark_registry.hpp"
+#include "ram_slam/fast_slam/landmark_tree.hpp"
+#include "ram_slam/fast_slam/parameters.hpp"
+#include "ram_slam/fast_slam/particle.hpp"
+#include "ram_slam/feature.hpp"
+#include "ram_slam/motion_model.hpp"
+#include "ram_slam/pose2.hpp"
+#include "ram_slam/random.hpp"
+
+namespace ram_slam {
+
+/// How well the filter does.
+struct FastSlamQuality {
+  double effective_fraction = 1.0;  ///< effective particles over all, before the last resampling
+  double matched_fraction = 1.0;    ///< of the features of late that were landmarks seen again
+  double normalised_innovation =
+      1.0;  ///< squared Mahalanobis distance per degree of freedom of late; 1 is expected
+  int matched_count = 0;  ///< of the last list, in the best particle
+  int new_count = 0;
+  int ignored_count = 0;
+};
+
+/// Simultaneous localisation and mapping with a particle per path and a Kalman filter per landmark
+/// in it.
+///
+/// FastSLAM 2.0: Montemerlo, Thrun, Koller, Wegbreit, IJCAI 2003; 1.0: the same, AAAI 2002.
+/// docs/fast_slam.md relates equations and functions. Knows neither robot nor sensor: the motion
+/// comes from a MotionModel, what a sensor saw from a FeatureList, what it would have seen from a
+/// FieldOfView. Deterministic: the same input gives the same bytes.
+class FastSlam {
+public:
+  /// \param map_from_base  where the robot is at the first list
+  /// \throws std::invalid_argument as FastSlamParameters::validate(), or if the pose or its
+  /// covariance is not finite
+  explicit FastSlam(const FastSlamParameters& parameters,
+                    FeatureMatchers matchers = {},
+                    const PoseWithCovariance2& map_from_base = {});
+
+  /// Takes in the features of one reading, moving the robot to its stamp first. If it throws
+  /// nothing has changed. \param view  what the sensor could have seen in that reading; without it
+  /// no landmark is ever doubted \throws std::invalid_argument if the list is older than the last
+  /// one or a feature is not finite or its covariance
+  ///         not symmetric and positive definite
+  /// \throws std::out_of_range as MotionModel::motion()
+  void update(const FeatureList& list,
+              const MotionModel& motion,
+              const FieldOfView* view = nullptr);
+
+  bool started() const { return stamp_ns_ != 0; }
+  std::int64_t stamp_ns() const { return stamp_ns_; }
+
+  /// Mean and covariance over all particles and what each of them was drawn from, at stamp_ns().
+  const PoseWithCovariance2& estimate() const { return estimate_; }
+  /// The path of the best particle, oldest pose first.
+  std::vector<StampedPose2> trajectory() const { return particles_[best_].path.poses(); }
+  /// The landmarks that the best particle holds, each averaged over all particles that hold it.
+  LandmarkMap landmarks() const;
+  const std::vector<Particle>& particles() const { return particles_; }
+  const Particle& best() const { return particles_[best_]; }
+  const FastSlamQuality& quality() const { return quality_; }
+
+  /// The robot is there, whatever the filter thought; the best particle's map is kept.
+  /// \throws std::invalid_argument if the pose is not finite or the covariance not symmetric
+  /// positive semi-definite
+  void setPose(const PoseWithCovariance2& map_from_base);
+
+  /// Gives every particle nodes of its own. Changes no result: what a filter without sharing would
+  /// be.
+  void unshare();
+  /// Bytes of all particles' maps together, shared nodes counted once.
+  std::size_t landmarkBytes() const;
+
+private:
+  /// How the particles move up to a new stamp.
+  struct Step {
+    PoseWithCovariance2 motion;        ///< FastSLAM 2.0
+    std::vector<Pose2> map_from_base;  ///< FastSLAM 1.0: one per particle
+  };
+
+  Step step(std::int64_t stamp_ns, const MotionModel& motion) const;
+  void move(const Step& step);
+  std::vector<DescriptorPointer> describe(const FeatureList& list) const;
+  std::vector<Observation> observe(const FeatureList& list,
+                                   const std::vector<DescriptorPointer>& descriptors) const;
+  /// Associates in every particle, weighs it and draws its pose.
+  std::vector<Evidence> weigh(const std::vector<Observation>& observations);
+  void updateMaps(const FeatureList& list,
+                  const std::vector<DescriptorPointer>& descriptors,
+                  const std::vector<Observation>& observations,
+                  const std::vector<Evidence>& evidence);
+  /// The landmark that other particles already have where this feature is and this one has not.
+  std::optional<LandmarkId> idUsedElsewhere(const Observation& observation,
+                                            const Particle& particle) const;
+  void rememberViews(const std::vector<DescriptorPointer>& descriptors,
+                     const std::vector<Association>& associations);
+  void rate(const Evidence& evidence);
+  void collectEvidence(const FieldOfView* view);
+  /// Log-odds that a landmark loses because the view shows it where it was not found.
+  double doubt(const LandmarkRecord& record,
+               const FieldOfView& view,
+               const std::vector<double>& weights) const;
+  void updateEstimate();
+  void resample();
+  void refreshBounds(LandmarkRecord& record) const;
+  void remove(LandmarkId id);
+  /// Landmarks that no particle holds any more.
+  void forgetAbandoned();
+  std::vector<double> weights() const;
+  const FeatureMatcher* matcher(const std::string& type) const;
+
+  FastSlamParameters parameters_;
+  FeatureMatchers matchers_;
+  LandmarkRegistry registry_;
+  std::vector<Particle> particles_;
+  std::size_t best_ = 0;
+  PoseWithCovariance2 estimate_;
+  FastSlamQuality quality_;
+  std::int64_t stamp_ns_ = 0;
+  std::uint64_t update_count_ = 0;
+  Pose2 last_evidence_pose_;
+};
+
+}  // namespace ram_slam

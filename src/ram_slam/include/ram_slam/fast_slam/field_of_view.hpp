@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/pose2.hpp"
+
+namespace ram_slam {
+
+/// What a sensor says about a point at which something is believed to be.
+enum class Sight {
+  kHidden,   ///< out of view or behind something: no information
+  kVisible,  ///< something is there or close to it: what is believed to be there should have been
+             ///< seen
+  kEmpty,    ///< the view goes well past it: nothing is there
+};
+
+/// What could have been seen in one reading of a sensor: the evidence against landmarks that a list
+/// of features cannot give. The estimator knows no more about sensors than this.
+class FieldOfView {
+public:
+  virtual ~FieldOfView() = default;
+  virtual Sight look(const Eigen::Vector2d& point_in_base_m) const = 0;
+  /// Beyond this distance from the base everything is hidden.
+  virtual double range_m() const = 0;
+};
+
+/// The view of a planar lidar.
+class LaserView : public FieldOfView {
+public:
+  /// \throws std::invalid_argument as LaserScan::validate()
+  LaserView(const LaserScan& scan, const Pose2& base_from_laser);
+  Sight look(const Eigen::Vector2d& point_in_base_m) const override;
+  double range_m() const override;
+
+private:
+  LaserScan scan_;
+  Pose2 laser_from_base_;
+  double base_to_laser_m_ = 0.0;
+};
+
+}  // namespace ram_slam

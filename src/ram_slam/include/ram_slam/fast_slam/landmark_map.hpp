@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ram_slam/fast_slam/landmark_registry.hpp"
+#include "ram_slam/fast_slam/particle.hpp"
+
+namespace ram_slam {
+
+/// A landmark as the whole filter sees it, in the map frame.
+struct LandmarkEstimate {
+  LandmarkId id = 0;
+  std::string type;
+  std::string classifier;
+  Eigen::Vector2d mean_m = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();
+  double existence_log_odds = 0.0;
+};
+
+/// E[(p_first - mean)(p_second - mean)^T] of two landmarks; first_id < second_id.
+struct LandmarkCovariance {
+  LandmarkId first_id = 0;
+  LandmarkId second_id = 0;
+  Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Zero();
+};
+
+/// The feature layer of the world belief, with the joint covariance of landmarks near each other.
+struct LandmarkMap {
+  std::int64_t stamp_ns = 0;
+  std::vector<LandmarkEstimate> landmarks;      ///< ordered by id
+  std::vector<LandmarkCovariance> covariances;  ///< ordered by (first_id, second_id)
+};
+
+/// The landmarks of one particle, each averaged over all particles that hold it (law of total
+/// covariance): mean_i = sum_k w_k mean_i^k, Cov(i, j) = sum_k w_k (mean_i^k - mean_i)(mean_j^k -
+/// mean_j)^T + [i = j] sum_k w_k Cov_i^k. Cross-covariances are given between landmarks within 5 m
+/// whose correlation exceeds 0.1. \param weights  one per particle, of sum 1
+LandmarkMap summarise(const LandmarkRegistry& registry,
+                      const Particle& chosen,
+                      const std::vector<Particle>& particles,
+                      const std::vector<double>& weights);
+
+}  // namespace ram_slam

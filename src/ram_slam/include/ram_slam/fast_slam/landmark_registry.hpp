@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "ram_slam/fast_slam/landmark_tree.hpp"
+#include "ram_slam/feature.hpp"
+#include "ram_slam/feature_matcher.hpp"
+
+namespace ram_slam {
+
+/// The matcher of each type of feature; a type without one is matched by geometry alone.
+using FeatureMatchers = std::map<std::string, std::shared_ptr<const FeatureMatcher>>;
+using DescriptorPointer = std::shared_ptr<const FeatureMatcher::Descriptor>;
+
+/// What all particles know alike about a landmark; where it is, each knows for itself.
+struct LandmarkRecord {
+  LandmarkId id = 0;
+  std::string type;
+  std::string classifier;                ///< of the feature that created it
+  std::vector<DescriptorPointer> views;  ///< how it looked, from different places
+  double existence_log_odds = 0.0;
+  double matched_weight =
+      0.0;  ///< share of the particles that saw it since evidence was last collected
+  Eigen::AlignedBox2d bounds_m;  ///< encloses where it can be matched, in every particle
+  std::uint32_t seen_from = 0;   ///< bit per sector of the direction from the landmark to the robot
+  double seen_within_m = 0.0;    ///< largest distance at which it was seen
+};
+
+/// The landmarks that some particle holds, in the order of their identifiers. Identifiers are never
+/// used again.
+class LandmarkRegistry {
+public:
+  /// A landmark that looks like this feature; its bounds are still empty.
+  LandmarkRecord& create(const Feature& feature, DescriptorPointer descriptor);
+  /// Null if there is none. Valid until create() or remove().
+  LandmarkRecord* find(LandmarkId id);
+  const LandmarkRecord* find(LandmarkId id) const;
+  void remove(LandmarkId id);
+  const std::vector<LandmarkRecord>& records() const { return records_; }
+  std::vector<LandmarkRecord>& records() { return records_; }
+  /// Takes over a record as it is, e.g. from a stored map. \throws std::invalid_argument if its id
+  /// was used already
+  void restore(LandmarkRecord record);
+
+private:
+  std::vector<LandmarkRecord> records_;
+  LandmarkId next_id_ = 0;
+};
+
+/// The largest of the log-likelihood ratios between a descriptor and the views; 0 without a
+/// matcher, a descriptor or a view.
+double logLikelihoodRatio(const FeatureMatcher* matcher,
+                          const DescriptorPointer& descriptor,
+                          const std::vector<DescriptorPointer>& views);
+
+/// Remembers from where the landmark was seen, and how it looked if it never looked like that.
+void addView(LandmarkRecord& record,
+             const Eigen::Vector2d& robot_from_landmark_m,
+             const FeatureMatcher* matcher,
+             const DescriptorPointer& descriptor);
+
+/// Whether the landmark was seen from about there before, so that it should be seen from there
+/// again.
+bool knownFrom(const LandmarkRecord& record, const Eigen::Vector2d& robot_from_landmark_m);
+
+}  // namespace ram_slam

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fast_slam_node.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include <geometry_msgs/PoseArray.h>
+#include <nav_msgs/Path.h>
+
+#include "ram_slam/ros/conversions.hpp"
+#include "ram_slam/ros/landmark_conversions.hpp"
+#include "ram_slam/ros/mounting.hpp"
+
+namespace ram_slam_ros {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr double kLogPeriodS = 5.0;
+constexpr std::size_t kMostQueued = 50;
+constexpr std::size_t kMostScans = 50;
+constexpr std::int64_t kClockSetBackNs = 1'000'000'000;
+/// How long a list waits for the odometry that it needs, in wall time; shorter while odometry is
+/// known to be missing.
+constexpr auto kPatience = milliseconds(1000);
+constexpr auto kPatienceInterrupted = milliseconds(20);
+constexpr auto kFirstRetry = milliseconds(2);
+constexpr auto kLongestRetry = milliseconds(100);
+constexpr auto kServicePatience = milliseconds(200);
+/// Least standard deviations of an initial pose [m], [rad]: nobody clicks more exactly.
+constexpr double kInitialSigma_m = 0.01;
+constexpr double kInitialSigma_rad = 0.005;
+
+FastSlamNodeParameters readNodeParameters(ram_parameters::ParameterReader& all) {
+  FastSlamNodeParameters parameters;
+  ram_parameters::ParameterReader reader = all.section("node");
+  reader.read("map_frame", parameters.frames.map);
+  reader.read("odom_frame", parameters.frames.odom);
+  reader.read("base_frame", parameters.frames.base);
+  reader.read("feature_topics", parameters.feature_topics);
+  reader.read("use_scan", parameters.use_scan);
+  reader.read("output_period", parameters.output_period);
+  reader.rejectUnknown();
+  if (parameters.feature_topics.empty()) {
+    throw std::invalid_argument("node/feature_topics must name at least one topic");
+  }
+  if (!(parameters.output_period >= 0.0)) {
+    throw std::invalid_argument("node/output_period must be >= 0, got " +
+                                std::to_string(parameters.output_period));
+  }
+  return parameters;
+}
+
+}  // namespace
+
+FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
+    : node_parameters_(readNodeParameters(reader)),
+      parameters_(ram_slam::readFastSlamParameters(reader)),
+      matcher_loader_("ram_slam", "ram_slam::FeatureMatcher"),
+      matchers_(loadMatchers()),
+      map_to_odom_(node_parameters_.frames, parameters_.future_interpol, buffer_),
+      kinematics_(node_),
+      motion_(kinematics_),
+      filter_(std::make_unique<ram_slam::FastSlam>(parameters_, matchers_)) {
+  advertise();
+  thread_ = std::thread([this] { run(); });
+  subscribe();
+}
+
+FastSlamNode::~FastSlamNode() {
+  subscribers_.clear();
+  stop_ = true;
+  queue_changed_.notify_all();
+  thread_.join();
+}
+
+void FastSlamNode::advertise() {
+  pose_ = node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 10);
+  particles_ = node_.advertise<geometry_msgs::PoseArray>("particlecloud", 2);
+  landmarks_ = node_.advertise<ram_slam_msgs::LandmarkMap>("landmarks", 1, true);
+  landmark_markers_ = node_.advertise<visualization_msgs::MarkerArray>("landmark_markers", 1, true);
+  trajectory_ = node_.advertise<nav_msgs::Path>("trajectory", 1, true);
+  ros::NodeHandle private_node("~");
+  services_ = {private_node.advertiseService("reset", &FastSlamNode::onReset, this),
+               private_node.advertiseService("pause", &FastSlamNode::onPause, this)};
+}
+
+void FastSlamNode::subscribe() {
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  for (const std::string& topic : node_parameters_.feature_topics) {
+    subscribers_.push_back(node_.subscribe(topic, 20, &FastSlamNode::onFeatures, this, hints));
+  }
+  subscribers_.push_back(
+      node_.subscribe("initialpose", 2, &FastSlamNode::onInitialPose, this, hints));
+  if (node_parameters_.use_scan) {
+    subscribers_.push_back(node_.subscribe("scan", 20, &FastSlamNode::onScan, this, hints));
+  }
+  for (const ros::Subscriber& subscriber : subscribers_)
+    ROS_INFO_STREAM("Listening to " << subscriber.getTopic());
+}
+
+ram_slam::FeatureMatchers FastSlamNode::loadMatchers() {
+  ram_slam::FeatureMatchers matchers;
+  for (const std::string& type : matcher_loader_.getDeclaredClasses()) {
+    try {
+      matchers[type] = matcher_loader_.createSharedInstance(type);
+      ROS_INFO_STREAM("Features of type '" << type << "' are compared by "
+                                           << matcher_loader_.getClassType(type));
+    } catch (const pluginlib::PluginlibException& error) {
+      ROS_ERROR_STREAM("Features of type '" << type
+                                            << "' are matched by geometry alone: " << error.what());
+    }
+  }
+  return matchers;
+}
+
+void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
+  try {
+    if (message.header.frame_id != node_parameters_.frames.base) {
+      throw std::invalid_argument("they are in '" + message.header.frame_id + "' instead of '" +
+                                  node_parameters_.frames.base + "'");
+    }
+    CheckedFeatures checked = toFeatureList(message);
+    if (checked.rejected_count > 0) {
+      ROS_WARN_STREAM_THROTTLE(
+          kLogPeriodS, "Left out " << checked.rejected_count << " features that are no good");
+    }
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    if (queue_.size() >= kMostQueued) {
+      queue_.pop_front();
+      ROS_WARN_THROTTLE(kLogPeriodS,
+                        "Features come faster than they can be used: dropped the oldest");
+    }
+    queue_.push_back(std::move(checked.list));
+    queue_changed_.notify_one();
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected features: " << error.what());
+  }
+}
+
+void FastSlamNode::onScan(const sensor_msgs::LaserScanConstPtr& message) {
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  scans_.push_back(message);
+  if (scans_.size() > kMostScans) scans_.pop_front();
+}
+
+void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  try {
+    if (message.header.frame_id != node_parameters_.frames.map) {
+      throw std::invalid_argument("it is in '" + message.header.frame_id + "' instead of '" +
+                                  node_parameters_.frames.map + "'");
+    }
+    ram_slam::PoseWithCovariance2 pose = toPoseWithCovariance2(message.pose);
+    const Eigen::Vector3d least(kInitialSigma_m, kInitialSigma_m, kInitialSigma_rad);
+    for (int i = 0; i < 3; ++i)
+      pose.covariance(i, i) = std::max(pose.covariance(i, i), least[i] * least[i]);
+    const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
+    if (!lock.owns_lock()) throw std::runtime_error("the filter is busy");
+    filter_->setPose(pose);
+    map_to_odom_.correct(filter_->stamp_ns(), pose.pose);
+    ROS_INFO_STREAM("Pose set to (" << pose.pose.x_m << " m, " << pose.pose.y_m << " m, "
+                                    << pose.pose.yaw_rad << " rad)");
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM("Rejected an initial pose: " << error.what());
+  }
+}
+
+bool FastSlamNode::onReset(std_srvs::Trigger::Request& /*request*/,
+                           std_srvs::Trigger::Response& response) {
+  const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
+  response.success = lock.owns_lock();
+  if (response.success) {
+    restart("asked to");
+  } else {
+    response.message = "the filter is busy; try again";
+  }
+  return true;
+}
+
+bool FastSlamNode::onPause(std_srvs::SetBool::Request& request,
+                           std_srvs::SetBool::Response& response) {
+  paused_ = request.data;
+  response.success = true;
+  response.message =
+      request.data ? "features are dropped until further notice" : "features are used";
+  ROS_INFO_STREAM((request.data ? "Paused" : "Resumed"));
+  return true;
+}
+
+void FastSlamNode::run() {
+  while (true) {
+    ram_slam::FeatureList list;
+    {
+      std::unique_lock<std::mutex> lock(queue_mutex_);
+      queue_changed_.wait(lock, [this] { return stop_ || !queue_.empty(); });
+      if (stop_) return;
+      list = std::move(queue_.front());
+      queue_.pop_front();
+    }
+    if (!paused_) process(list);
+  }
+}
+
+void FastSlamNode::process(const ram_slam::FeatureList& list) {
+  const auto start = steady_clock::now();
+  auto pause = kFirstRetry;
+  const auto patience = interrupted_ ? kPatienceInterrupted : kPatience;
+  try {
+    while (!tryUpdate(list)) {
+      if (stop_ || !ros::ok()) return;
+      if (steady_clock::now() - start > patience) {
+        interrupted_ = true;
+        motion_.interruptedUntil(list.stamp_ns);
+        return;
+      }
+      std::this_thread::sleep_for(pause);
+      pause = std::min(2 * pause, kLongestRetry);
+    }
+    if (interrupted_) ROS_INFO("Odometry is back");
+    interrupted_ = false;
+    motion_.forget();
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Skipped features: " << error.what());
+  }
+}
+
+bool FastSlamNode::tryUpdate(const ram_slam::FeatureList& list) {
+  const std::unique_ptr<ram_slam::LaserView> view = viewAt(list.stamp_ns);
+  const std::lock_guard<std::timed_mutex> lock(filter_mutex_);
+  if (list.stamp_ns + kClockSetBackNs < filter_->stamp_ns()) restart("the clock was set back");
+  try {
+    filter_->update(list, motion_, view.get());
+  } catch (const std::out_of_range& error) {
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No motion up to the features: " << error.what());
+    return false;
+  }
+  publishPose();
+  publishMap();
+  return true;
+}
+
+void FastSlamNode::restart(const std::string& reason) {
+  ROS_WARN_STREAM("Starting over with an empty map: " << reason);
+  filter_ = std::make_unique<ram_slam::FastSlam>(parameters_, matchers_);
+  map_to_odom_.reset();
+  motion_.forget();
+  interrupted_ = false;
+  last_output_ns_ = 0;
+}
+
+std::unique_ptr<ram_slam::LaserView> FastSlamNode::viewAt(std::int64_t stamp_ns) {
+  sensor_msgs::LaserScanConstPtr scan;
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    const auto place = std::find_if(scans_.begin(), scans_.end(), [stamp_ns](const auto& other) {
+      return toNanoseconds(other->header.stamp) == stamp_ns;
+    });
+    if (place == scans_.end()) return nullptr;
+    scan = *place;
+  }
+  try {
+    const auto transform =
+        buffer_.lookupTransform(node_parameters_.frames.base, scan->header.frame_id, ros::Time(0));
+    const Mounting mounting = toMounting(transform.transform);
+    const ram_slam::LaserScan readings = toLaserScan(*scan);
+    return std::make_unique<ram_slam::LaserView>(
+        mounting.upside_down ? mirrored(readings) : readings, mounting.base_from_sensor);
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No landmark can be doubted: " << error.what());
+    return nullptr;
+  }
+}
+
+void FastSlamNode::publishPose() {
+  geometry_msgs::PoseWithCovarianceStamped pose;
+  pose.header.stamp = toTime(filter_->stamp_ns());
+  pose.header.frame_id = node_parameters_.frames.map;
+  pose.pose = toPoseWithCovarianceMessage(filter_->estimate());
+  map_to_odom_.correct(filter_->stamp_ns(), filter_->estimate().pose);
+  pose_.publish(pose);
+  if (particles_.getNumSubscribers() == 0) return;
+  geometry_msgs::PoseArray particles;
+  particles.header = pose.header;
+  for (const ram_slam::Particle& particle : filter_->particles()) {
+    particles.poses.push_back(toPoseMessage(particle.map_from_base));
+  }
+  particles_.publish(particles);
+}
+
+void FastSlamNode::publishMap() {
+  const auto period_ns = static_cast<std::int64_t>(node_parameters_.output_period * 1e9);
+  if (last_output_ns_ != 0 && filter_->stamp_ns() < last_output_ns_ + period_ns) return;
+  last_output_ns_ = filter_->stamp_ns();
+  const ram_slam::LandmarkMap map = filter_->landmarks();
+  landmarks_.publish(toLandmarkMapMessage(map, node_parameters_.frames.map));
+  landmark_markers_.publish(toMarkers(map, node_parameters_.frames.map));
+  nav_msgs::Path path;
+  path.header.stamp = toTime(filter_->stamp_ns());
+  path.header.frame_id = node_parameters_.frames.map;
+  for (const ram_slam::StampedPose2& pose : filter_->trajectory()) {
+    geometry_msgs::PoseStamped entry;
+    entry.header.frame_id = path.header.frame_id;
+    entry.header.stamp = toTime(pose.stamp_ns);
+    entry.pose = toPoseMessage(pose.pose);
+    path.poses.push_back(entry);
+  }
+  trajectory_.publish(path);
+}
+
+}  // namespace ram_slam_ros

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <pluginlib/class_loader.hpp>
+#include <ram_slam_msgs/FeatureList.h>
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/fast_slam/gap_bridge.hpp"
+
+#include "kinematics_client.hpp"
+#include "map_to_odom_publisher.hpp"
+
+namespace ram_slam_ros {
+
+/// What only the node needs to know; the section `node` of config/fast_slam.yaml.
+struct FastSlamNodeParameters {
+  Frames frames;
+  std::vector<std::string> feature_topics = {"features"};
+  bool use_scan = true;
+  double output_period = 1.0;
+};
+
+/// FastSlam in a ROS graph. Callbacks only queue; one thread runs the filter, another one keeps tf
+/// valid, so that neither a slow update nor a missing kinematics node holds up the other.
+class FastSlamNode {
+public:
+  explicit FastSlamNode(ram_parameters::ParameterReader& reader);
+  ~FastSlamNode();
+  FastSlamNode(const FastSlamNode&) = delete;
+  FastSlamNode& operator=(const FastSlamNode&) = delete;
+
+private:
+  void onFeatures(const ram_slam_msgs::FeatureList& message);
+  void onScan(const sensor_msgs::LaserScanConstPtr& message);
+  void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
+  bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool onPause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
+
+  void subscribe();
+  void advertise();
+  ram_slam::FeatureMatchers loadMatchers();
+  /// The thread of the filter.
+  void run();
+  void process(const ram_slam::FeatureList& list);
+  /// False if the motion up to the list is not known yet.
+  bool tryUpdate(const ram_slam::FeatureList& list);
+  void restart(const std::string& reason);
+  std::unique_ptr<ram_slam::LaserView> viewAt(std::int64_t stamp_ns);
+  void publishPose();
+  void publishMap();
+
+  FastSlamNodeParameters node_parameters_;
+  ram_slam::FastSlamParameters parameters_;
+  pluginlib::ClassLoader<ram_slam::FeatureMatcher> matcher_loader_;
+  ram_slam::FeatureMatchers matchers_;
+
+  ros::NodeHandle node_;
+  tf2_ros::Buffer buffer_;
+  tf2_ros::TransformListener listener_{buffer_};
+  MapToOdomPublisher map_to_odom_;
+  KinematicsClient kinematics_;
+  ram_slam::GapBridge motion_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::vector<ros::ServiceServer> services_;
+  ros::Publisher pose_, particles_, landmarks_, landmark_markers_, trajectory_;
+
+  std::timed_mutex filter_mutex_;
+  std::unique_ptr<ram_slam::FastSlam> filter_;
+  std::int64_t last_output_ns_ = 0;
+  bool interrupted_ = false;
+
+  std::mutex queue_mutex_;
+  std::condition_variable queue_changed_;
+  std::deque<ram_slam::FeatureList> queue_;
+  std::deque<sensor_msgs::LaserScanConstPtr> scans_;
+  std::atomic<bool> paused_{false};
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace ram_slam_ros

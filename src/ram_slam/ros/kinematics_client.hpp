@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <ros/ros.h>
+
+#include "ram_slam/motion_model.hpp"
+
+namespace ram_slam_ros {
+
+/// The motion model behind the services `kinematics/predict_with_covariance` and
+/// `kinematics/sample_states`, over connections that persist and are renewed after a failure.
+class KinematicsClient : public ram_slam::MotionModel {
+public:
+  explicit KinematicsClient(const ros::NodeHandle& node) : node_(node) {}
+
+  /// \throws std::out_of_range if the service is not there or refuses, which it does without a
+  /// reason
+  ram_slam::PoseWithCovariance2 motion(std::int64_t from_ns, std::int64_t to_ns) const override;
+  /// \throws as motion(), with the service's reason
+  std::vector<ram_slam::Pose2> sample(const std::vector<ram_slam::Pose2>& map_from_base,
+                                      std::int64_t from_ns,
+                                      std::int64_t to_ns,
+                                      std::uint64_t seed) const override;
+
+private:
+  template <typename Service>
+  void call(ros::ServiceClient& client, const char* name, Service& service) const;
+
+  mutable ros::NodeHandle node_;
+  mutable ros::ServiceClient predict_;
+  mutable ros::ServiceClient sample_;
+};
+
+}  // namespace ram_slam_ros

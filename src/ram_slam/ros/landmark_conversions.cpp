@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/ros/landmark_conversions.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
+#include "ram_slam/ros/conversions.hpp"
+
+namespace ram_slam_ros {
+namespace {
+
+using ram_slam::LandmarkCovariance;
+using ram_slam::LandmarkEstimate;
+
+constexpr double kEllipseSigmas = 2.0;
+constexpr double kLeastDiameter_m = 0.05;  // smaller ones cannot be seen
+constexpr double kHeight_m = 0.02;
+constexpr int kMessageDimensions = 3;
+
+std_msgs::Header header(std::int64_t stamp_ns, const std::string& frame_id) {
+  std_msgs::Header result;
+  result.stamp = toTime(stamp_ns);
+  result.frame_id = frame_id;
+  return result;
+}
+
+visualization_msgs::Marker ellipse(const LandmarkEstimate& landmark,
+                                   const std_msgs::Header& where) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(landmark.covariance_m2);
+  const Eigen::Vector2d longest = axes.eigenvectors().col(1);
+  const auto diameter_m = [&axes](int i) {
+    return std::max(kLeastDiameter_m,
+                    2.0 * kEllipseSigmas * std::sqrt(std::max(0.0, axes.eigenvalues()[i])));
+  };
+  visualization_msgs::Marker marker;
+  marker.header = where;
+  marker.ns = "landmarks";
+  marker.id = static_cast<int>(landmark.id);
+  marker.type = visualization_msgs::Marker::CYLINDER;
+  marker.pose = toPoseMessage(
+      {landmark.mean_m.x(), landmark.mean_m.y(), std::atan2(longest.y(), longest.x())});
+  marker.scale.x = diameter_m(1);
+  marker.scale.y = diameter_m(0);
+  marker.scale.z = kHeight_m;
+  marker.color.g = 0.6F;
+  marker.color.b = 1.0F;
+  marker.color.a = landmark.existence_log_odds > 0.0 ? 0.9F : 0.3F;
+  return marker;
+}
+
+}  // namespace
+
+ram_slam_msgs::LandmarkMap toLandmarkMapMessage(const ram_slam::LandmarkMap& map,
+                                                const std::string& frame_id) {
+  ram_slam_msgs::LandmarkMap message;
+  message.header = header(map.stamp_ns, frame_id);
+  for (const LandmarkEstimate& landmark : map.landmarks) {
+    ram_slam::Feature feature;
+    feature.type = landmark.type;
+    feature.classifier = landmark.classifier;
+    feature.position_m = landmark.mean_m;
+    feature.covariance_m2 = landmark.covariance_m2;
+    ram_slam_msgs::Landmark entry;
+    entry.id = landmark.id;
+    entry.feature = toFeatureMessage(feature, message.header);
+    entry.existence_log_odds = landmark.existence_log_odds;
+    message.landmarks.push_back(entry);
+  }
+  for (const LandmarkCovariance& block : map.covariances) {
+    ram_slam_msgs::CovarianceBlock entry;
+    entry.first_id = block.first_id;
+    entry.second_id = block.second_id;
+    entry.covariance.assign(0.0);
+    for (int row = 0; row < 2; ++row) {
+      for (int column = 0; column < 2; ++column) {
+        entry.covariance[kMessageDimensions * row + column] = block.covariance_m2(row, column);
+      }
+    }
+    message.covariances.push_back(entry);
+  }
+  return message;
+}
+
+visualization_msgs::MarkerArray toMarkers(const ram_slam::LandmarkMap& map,
+                                          const std::string& frame_id) {
+  visualization_msgs::MarkerArray markers;
+  markers.markers.resize(1);
+  markers.markers[0].header = header(map.stamp_ns, frame_id);
+  markers.markers[0].action = visualization_msgs::Marker::DELETEALL;
+  for (const LandmarkEstimate& landmark : map.landmarks) {
+    markers.markers.push_back(ellipse(landmark, markers.markers[0].header));
+  }
+  return markers;
+}
+
+}  // namespace ram_slam_ros

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_to_odom_publisher.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include <ros/ros.h>
+
+#include "ram_slam/ros/conversions.hpp"
+
+namespace ram_slam_ros {
+namespace {
+
+constexpr auto kTick = std::chrono::milliseconds(4);
+constexpr std::int64_t kPeriodNs = 40'000'000;  // 25 Hz
+constexpr double kLogPeriodS = 5.0;
+
+}  // namespace
+
+MapToOdomPublisher::MapToOdomPublisher(const Frames& frames,
+                                       double ahead_s,
+                                       const tf2_ros::Buffer& buffer)
+    : frames_(frames), ahead_ns_(static_cast<std::int64_t>(ahead_s * 1e9)), buffer_(buffer) {
+  thread_ = std::thread([this] { run(); });
+}
+
+MapToOdomPublisher::~MapToOdomPublisher() {
+  stop_ = true;
+  thread_.join();
+}
+
+void MapToOdomPublisher::correct(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  pending_ = Correction{stamp_ns, map_from_base};
+  last_data_ns_ = stamp_ns;
+}
+
+void MapToOdomPublisher::reset() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  pending_.reset();
+  map_from_odom_.reset();
+  last_data_ns_ = last_sent_ns_ = 0;
+}
+
+void MapToOdomPublisher::run() {
+  while (!stop_ && ros::ok()) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      applyCorrection();
+      publishIfDue();
+    }
+    std::this_thread::sleep_for(kTick);
+  }
+}
+
+void MapToOdomPublisher::applyCorrection() {
+  if (!pending_) return;
+  try {
+    const auto odom_from_base =
+        buffer_.lookupTransform(frames_.odom, frames_.base, toTime(pending_->stamp_ns));
+    map_from_odom_ = pending_->map_from_base * toPose2(odom_from_base.transform).inverse();
+    pending_.reset();
+    changed_ = true;
+  } catch (const std::exception& error) {
+    ROS_DEBUG_STREAM_THROTTLE(kLogPeriodS, "Waiting for odometry in tf: " << error.what());
+  }
+}
+
+void MapToOdomPublisher::publishIfDue() {
+  if (!map_from_odom_) return;
+  const std::int64_t stamp_ns =
+      std::max(toNanoseconds(ros::Time::now()), last_data_ns_) + ahead_ns_;
+  if (stamp_ns <= last_sent_ns_ || (!changed_ && stamp_ns < last_sent_ns_ + kPeriodNs)) return;
+  geometry_msgs::TransformStamped message;
+  message.header.stamp = toTime(stamp_ns);
+  message.header.frame_id = frames_.map;
+  message.child_frame_id = frames_.odom;
+  message.transform = toTransformMessage(*map_from_odom_);
+  broadcaster_.sendTransform(message);
+  last_sent_ns_ = stamp_ns;
+  changed_ = false;
+}
+
+}  // namespace ram_slam_ros

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include "ram_slam/pose2.hpp"
+
+namespace ram_slam_ros {
+
+struct Frames {
+  std::string map = "map";
+  std::string odom = "odom";
+  std::string base = "base_link";
+};
+
+/// Keeps tf map -> odom valid: publishes it from a thread of its own, dated ahead, at 25 Hz and at
+/// once after a correction, never twice with the same stamp.
+class MapToOdomPublisher {
+public:
+  /// \param ahead_s  how far ahead of now the transform is dated
+  MapToOdomPublisher(const Frames& frames, double ahead_s, const tf2_ros::Buffer& buffer);
+  ~MapToOdomPublisher();
+  MapToOdomPublisher(const MapToOdomPublisher&) = delete;
+  MapToOdomPublisher& operator=(const MapToOdomPublisher&) = delete;
+
+  /// Where the base was at a stamp. Takes effect when tf knows odom -> base at that stamp.
+  void correct(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base);
+  /// Back to map = odom, after the clock was set back.
+  void reset();
+
+private:
+  struct Correction {
+    std::int64_t stamp_ns = 0;
+    ram_slam::Pose2 map_from_base;
+  };
+  void run();
+  void publishIfDue();
+  void applyCorrection();
+
+  Frames frames_;
+  std::int64_t ahead_ns_;
+  const tf2_ros::Buffer& buffer_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  std::mutex mutex_;
+  std::optional<Correction> pending_;
+  std::optional<ram_slam::Pose2> map_from_odom_;
+  std::int64_t last_data_ns_ = 0;
+  std::int64_t last_sent_ns_ = 0;
+  bool changed_ = false;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace ram_slam_ros

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include <ram_slam_msgs/LandmarkMap.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include "ram_slam/fast_slam/landmark_map.hpp"
+
+namespace ram_slam_ros {
+
+ram_slam_msgs::LandmarkMap toLandmarkMapMessage(const ram_slam::LandmarkMap& map,
+                                                const std::string& frame_id);
+
+/// For rviz: the 2-sigma ellipse of every landmark, faint while its existence is in doubt. Replaces
+/// all earlier ones.
+visualization_msgs::MarkerArray toMarkers(const ram_slam::LandmarkMap& map,
+                                          const std::string& frame_id);
+
+}  // namespace ram_slam_ros

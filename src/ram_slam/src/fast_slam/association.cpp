@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/fast_slam/association.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ram_slam/fast_slam/assignment.hpp"
+
+namespace ram_slam {
+namespace {
+
+constexpr int kPasses = 2;
+
+bool isMatched(const std::vector<Association>& associations, LandmarkId id) {
+  return std::any_of(associations.begin(), associations.end(),
+                     [id](const Association& association) {
+                       return association.verdict == Verdict::kMatched && association.id == id;
+                     });
+}
+
+/// One particle's association while it is being worked out.
+class Associator {
+public:
+  Associator(const std::vector<Observation>& observations,
+             const LandmarkTree& landmarks,
+             const PoseWithCovariance2& map_from_base,
+             const FastSlamParameters& parameters)
+      : observations_(observations),
+        landmarks_(landmarks),
+        parameters_(parameters),
+        log_unknown_density_(std::log(parameters.unknown_feature_density)),
+        has_candidate_(observations.size(), false) {
+    evidence_.map_from_base = map_from_base;
+    evidence_.associations.resize(observations.size());
+  }
+
+  /// Pairs what can be paired; false if nothing was left to pair.
+  bool pass() {
+    findCandidates();
+    for (const Choice& choice : bestAssignment(candidates_)) {
+      if (choice.margin >= parameters_.ambiguity_margin) use(candidates_[choice.candidate]);
+    }
+    return !candidates_.empty();
+  }
+
+  Evidence finish() {
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      if (evidence_.associations[i].verdict != Verdict::kMatched && !has_candidate_[i] &&
+          standsAlone(i)) {
+        evidence_.associations[i].verdict = Verdict::kNew;
+      }
+    }
+    return std::move(evidence_);
+  }
+
+private:
+  /// Pairs within the gate, of features and landmarks that are still free. The column is the
+  /// landmark's identifier.
+  void findCandidates() {
+    candidates_.clear();
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      if (evidence_.associations[i].verdict == Verdict::kMatched) continue;
+      has_candidate_[i] = false;
+      for (const Prospect& prospect : observations_[i].prospects) {
+        const Landmark* landmark = landmarks_.find(prospect.id);
+        if (landmark == nullptr || isMatched(evidence_.associations, prospect.id)) continue;
+        const Innovation found =
+            innovation(evidence_.map_from_base, *landmark, observations_[i].measured);
+        if (!(found.squaredMahalanobis() < parameters_.association_gate)) continue;
+        has_candidate_[i] = true;
+        candidates_.push_back({i, prospect.id, score(found, prospect)});
+      }
+    }
+  }
+
+  double score(const Innovation& found, const Prospect& prospect) const {
+    return found.logLikelihood() + prospect.log_likelihood_ratio - log_unknown_density_;
+  }
+
+  /// Matches the pair unless the corrections before it have moved it out of the gate.
+  void use(const Candidate& candidate) {
+    const Observation& observation = observations_[candidate.row];
+    const LandmarkId id = static_cast<LandmarkId>(candidate.column);
+    const Prospect& prospect =
+        *std::find_if(observation.prospects.begin(), observation.prospects.end(),
+                      [id](const Prospect& other) { return other.id == id; });
+    const Innovation found =
+        innovation(evidence_.map_from_base, *landmarks_.find(id), observation.measured);
+    const double squared_mahalanobis = found.squaredMahalanobis();
+    if (!(squared_mahalanobis < parameters_.association_gate)) return;
+    evidence_.associations[candidate.row] = {Verdict::kMatched, id};
+    if (!prospect.confirmed) return;
+    evidence_.log_likelihood_ratio += score(found, prospect);
+    evidence_.squared_mahalanobis += squared_mahalanobis;
+    ++evidence_.correction_count;
+    evidence_.map_from_base = corrected(evidence_.map_from_base, found);
+  }
+
+  /// Whether a feature is far enough from every landmark to be another thing. Near a landmark that
+  /// is matched by another feature of the same reading, "far enough" means that the two can be told
+  /// apart.
+  bool standsAlone(std::size_t i) const {
+    const PointMeasurement& measured = observations_[i].measured;
+    const Eigen::Vector2d place_m = evidence_.map_from_base.pose * measured.position_m;
+    for (const Prospect& prospect : observations_[i].prospects) {
+      const Landmark* landmark = landmarks_.find(prospect.id);
+      if (landmark == nullptr) continue;
+      if ((landmark->mean_m - place_m).norm() >= parameters_.minimum_feature_separation) continue;
+      if (!isMatched(evidence_.associations, prospect.id)) return false;
+      const Innovation apart = innovation(evidence_.map_from_base.pose, *landmark, measured);
+      if (apart.squaredMahalanobis() < parameters_.association_gate) return false;
+    }
+    return !isDuplicate(i);
+  }
+
+  /// Whether an earlier new feature of the same reading may be the same thing.
+  bool isDuplicate(std::size_t i) const {
+    const PointMeasurement& measured = observations_[i].measured;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (evidence_.associations[j].verdict != Verdict::kNew) continue;
+      const PointMeasurement& other = observations_[j].measured;
+      const Landmark there{other.position_m, other.covariance_m2};
+      if (innovation(Pose2{}, there, measured).squaredMahalanobis() < parameters_.association_gate)
+        return true;
+    }
+    return false;
+  }
+
+  const std::vector<Observation>& observations_;
+  const LandmarkTree& landmarks_;
+  const FastSlamParameters& parameters_;
+  double log_unknown_density_;
+  std::vector<bool> has_candidate_;
+  std::vector<Candidate> candidates_;
+  Evidence evidence_;
+};
+
+}  // namespace
+
+Evidence associate(const std::vector<Observation>& observations,
+                   const LandmarkTree& landmarks,
+                   const PoseWithCovariance2& map_from_base,
+                   const FastSlamParameters& parameters) {
+  Associator associator(observations, landmarks, map_from_base, parameters);
+  for (int i = 0; i < kPasses && associator.pass(); ++i) {
+  }
+  return associator.finish();
+}
+
+Evidence associateByDistance(const std::vector<Observation>& observations,
+                             const LandmarkTree& landmarks,
+                             const Pose2& map_from_base,
+                             const FastSlamParameters& parameters) {
+  Evidence evidence;
+  evidence.map_from_base.pose = map_from_base;
+  for (const Observation& observation : observations) {
+    const Eigen::Vector2d place_m = map_from_base * observation.measured.position_m;
+    const Prospect* nearest = nullptr;
+    double distance_m = std::numeric_limits<double>::infinity();
+    for (const Prospect& prospect : observation.prospects) {
+      const Landmark* landmark = landmarks.find(prospect.id);
+      if (landmark == nullptr || isMatched(evidence.associations, prospect.id)) continue;
+      if ((landmark->mean_m - place_m).norm() >= distance_m) continue;
+      distance_m = (landmark->mean_m - place_m).norm();
+      nearest = &prospect;
+    }
+    Association association;
+    if (distance_m < parameters.feature_match_distance) {
+      association = {Verdict::kMatched, nearest->id};
+      const Innovation found =
+          innovation(map_from_base, *landmarks.find(nearest->id), observation.measured);
+      evidence.log_likelihood_ratio +=
+          found.logLikelihood() - std::log(parameters.unknown_feature_density);
+      evidence.squared_mahalanobis += found.squaredMahalanobis();
+      ++evidence.correction_count;
+    } else if (distance_m >= parameters.minimum_feature_separation) {
+      association.verdict = Verdict::kNew;
+    }
+    evidence.associations.push_back(association);
+  }
+  return evidence;
+}
+
+}  // namespace ram_slam

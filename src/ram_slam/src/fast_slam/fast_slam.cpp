@@ -1,0 +1,438 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/fast_slam/fast_slam.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+
+#include "ram_slam/fast_slam/resampling.hpp"
+
+namespace ram_slam {
+namespace {
+
+constexpr double kPassedLogOdds = -2.0;  // a look well past a landmark
+constexpr double kMemory = 0.95;         // of the running means of quality, per list
+constexpr double kSymmetryTolerance = 1e-9;
+
+void requireGood(const Feature& feature) {
+  const Eigen::Matrix2d& c = feature.covariance_m2;
+  const bool finite = feature.position_m.allFinite() && c.allFinite();
+  if (!finite || std::abs(c(0, 1) - c(1, 0)) > kSymmetryTolerance * c.trace() || !(c(0, 0) > 0.0) ||
+      !(c.determinant() > 0.0)) {
+    throw std::invalid_argument(
+        "a feature's position and covariance must be finite, the covariance symmetric and positive "
+        "definite");
+  }
+}
+
+void requireGood(const PoseWithCovariance2& pose) {
+  const Eigen::Matrix3d& c = pose.covariance;
+  if (!pose.pose.isFinite() || !c.allFinite()) {
+    throw std::invalid_argument("an initial pose and its covariance must be finite");
+  }
+  const double tolerance = kSymmetryTolerance * (1.0 + c.norm());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(c, Eigen::EigenvaluesOnly);
+  if ((c - c.transpose()).norm() > tolerance || solver.eigenvalues().minCoeff() < -tolerance) {
+    throw std::invalid_argument(
+        "the covariance of an initial pose must be symmetric positive semi-definite");
+  }
+}
+
+Pose2 draw(const PoseWithCovariance2& from, Random random) {
+  if (from.covariance.isZero(0.0)) return from.pose;
+  const Eigen::Vector3d noise = random.gaussian(from.covariance);
+  return {from.pose.x_m + noise.x(), from.pose.y_m + noise.y(),
+          wrapAngle(from.pose.yaw_rad + noise.z())};
+}
+
+Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
+  return {a.x_m - b.x_m, a.y_m - b.y_m, wrapAngle(a.yaw_rad - b.yaw_rad)};
+}
+
+}  // namespace
+
+FastSlam::FastSlam(const FastSlamParameters& parameters,
+                   FeatureMatchers matchers,
+                   const PoseWithCovariance2& map_from_base)
+    : parameters_(parameters), matchers_(std::move(matchers)) {
+  parameters_.validate();
+  particles_.resize(parameters_.particle_amount);
+  setPose(map_from_base);
+}
+
+void FastSlam::setPose(const PoseWithCovariance2& map_from_base) {
+  requireGood(map_from_base);
+  const Particle kept = particles_[best_];
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    particles_[i] = kept;
+    particles_[i].log_weight = 0.0;
+    particles_[i].proposal = map_from_base;
+    particles_[i].map_from_base =
+        draw(map_from_base, Random(parameters_.seed, update_count_, 2 * particles_.size() + i));
+  }
+  best_ = 0;
+  estimate_ = map_from_base;
+  last_evidence_pose_ = map_from_base.pose;
+}
+
+void FastSlam::update(const FeatureList& list, const MotionModel& motion, const FieldOfView* view) {
+  for (const Feature& feature : list.features) requireGood(feature);
+  if (list.stamp_ns <= 0 || list.stamp_ns < stamp_ns_) {
+    throw std::invalid_argument("features of " + std::to_string(list.stamp_ns) +
+                                " ns are older than those before, of " + std::to_string(stamp_ns_) +
+                                " ns");
+  }
+  const std::vector<DescriptorPointer> descriptors = describe(list);
+  const Step moved = step(list.stamp_ns, motion);
+  // From here on nothing fails.
+  stamp_ns_ = list.stamp_ns;
+  ++update_count_;
+  move(moved);
+  const std::vector<Observation> observations = observe(list, descriptors);
+  const std::vector<Evidence> evidence = weigh(observations);
+  updateEstimate();
+  updateMaps(list, descriptors, observations, evidence);
+  rate(evidence[best_]);
+  collectEvidence(view);
+  resample();
+}
+
+std::vector<DescriptorPointer> FastSlam::describe(const FeatureList& list) const {
+  std::vector<DescriptorPointer> descriptors;
+  descriptors.reserve(list.features.size());
+  for (const Feature& feature : list.features) {
+    const FeatureMatcher* const by_looks = matcher(feature.type);
+    const bool described = by_looks != nullptr && !feature.classifier.empty();
+    descriptors.push_back(described ? by_looks->parse(feature.classifier) : nullptr);
+  }
+  return descriptors;
+}
+
+FastSlam::Step FastSlam::step(std::int64_t stamp_ns, const MotionModel& motion) const {
+  Step result;
+  if (!started() || stamp_ns == stamp_ns_) {
+    for (const Particle& particle : particles_)
+      result.map_from_base.push_back(particle.map_from_base);
+  } else if (parameters_.mode == FastSlamMode::kFastSlam2) {
+    result.motion = motion.motion(stamp_ns_, stamp_ns);
+    if (!result.motion.pose.isFinite() || !result.motion.covariance.allFinite()) {
+      throw std::invalid_argument("the motion model gives a motion that is not finite");
+    }
+  } else {
+    std::vector<Pose2> poses;
+    for (const Particle& particle : particles_) poses.push_back(particle.map_from_base);
+    result.map_from_base =
+        motion.sample(poses, stamp_ns_, stamp_ns, Random(parameters_.seed, update_count_ + 1)());
+    const bool finite = std::all_of(result.map_from_base.begin(), result.map_from_base.end(),
+                                    [](const Pose2& pose) { return pose.isFinite(); });
+    if (result.map_from_base.size() != particles_.size() || !finite) {
+      throw std::invalid_argument(
+          "the motion model gives too few poses or some that are not finite");
+    }
+  }
+  return result;
+}
+
+void FastSlam::move(const Step& step) {
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    Particle& particle = particles_[i];
+    if (step.map_from_base.empty()) {
+      particle.proposal =
+          PoseWithCovariance2{particle.map_from_base, Eigen::Matrix3d::Zero()} * step.motion;
+    } else {
+      particle.proposal = {step.map_from_base[i], Eigen::Matrix3d::Zero()};
+    }
+  }
+}
+
+std::vector<Observation> FastSlam::observe(
+    const FeatureList& list, const std::vector<DescriptorPointer>& descriptors) const {
+  const double gate = std::sqrt(parameters_.association_gate);
+  const Eigen::Matrix2d floor_m2 = parameters_.feature_noise_floor *
+                                   parameters_.feature_noise_floor * Eigen::Matrix2d::Identity();
+  std::vector<Observation> observations(list.features.size());
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const Feature& feature = list.features[i];
+    observations[i].measured = {feature.position_m, feature.covariance_m2 + floor_m2};
+    Eigen::AlignedBox2d places_m;
+    double pose_variance_m2 = 0.0;
+    for (const Particle& particle : particles_) {
+      places_m.extend(particle.proposal.pose * feature.position_m);
+      const Eigen::Matrix3d& c = particle.proposal.covariance;
+      // Bounds the trace of H_x P H_x^T: the variance of position plus that of the lever arm,
+      // doubled for their correlation.
+      pose_variance_m2 = std::max(
+          pose_variance_m2, 2.0 * (c(0, 0) + c(1, 1) + c(2, 2) * feature.position_m.squaredNorm()));
+    }
+    const double noise_m = std::sqrt(observations[i].measured.covariance_m2.trace());
+    const double reach_m =
+        std::max({gate * (noise_m + std::sqrt(pose_variance_m2)),
+                  parameters_.minimum_feature_separation, parameters_.feature_match_distance});
+    places_m.min().array() -= reach_m;
+    places_m.max().array() += reach_m;
+    for (const LandmarkRecord& record : registry_.records()) {
+      if (!places_m.intersects(record.bounds_m) || record.type != feature.type) continue;
+      observations[i].prospects.push_back(
+          {record.id, record.existence_log_odds >= parameters_.confirm_log_odds,
+           logLikelihoodRatio(matcher(feature.type), descriptors[i], record.views)});
+    }
+  }
+  return observations;
+}
+
+std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observations) {
+  const bool version2 = parameters_.mode == FastSlamMode::kFastSlam2;
+  std::vector<Evidence> evidence;
+  evidence.reserve(particles_.size());
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    Particle& particle = particles_[i];
+    evidence.push_back(
+        version2 ? associate(observations, particle.landmarks, particle.proposal, parameters_)
+                 : associateByDistance(observations, particle.landmarks, particle.proposal.pose,
+                                       parameters_));
+    particle.proposal = evidence.back().map_from_base;
+    particle.log_weight += evidence.back().log_likelihood_ratio;
+    particle.map_from_base = draw(particle.proposal, Random(parameters_.seed, update_count_, i));
+    particle.path.append({stamp_ns_, particle.map_from_base});
+  }
+  const std::vector<double> weights = this->weights();
+  best_ =
+      static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
+  // Relative to the best, so that they stay in range.
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    particles_[i].log_weight = std::log(weights[i] / weights[best_]);
+  }
+  quality_.effective_fraction = effectiveCount(weights) / static_cast<double>(weights.size());
+  return evidence;
+}
+
+std::vector<double> FastSlam::weights() const {
+  std::vector<double> log_weights;
+  log_weights.reserve(particles_.size());
+  for (const Particle& particle : particles_) log_weights.push_back(particle.log_weight);
+  return normalisedWeights(log_weights);
+}
+
+void FastSlam::updateEstimate() {
+  const std::vector<double> weights = this->weights();
+  const Pose2& reference = particles_[best_].proposal.pose;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    mean += weights[i] * difference(particles_[i].proposal.pose, reference);
+  }
+  estimate_.pose = {reference.x_m + mean.x(), reference.y_m + mean.y(),
+                    wrapAngle(reference.yaw_rad + mean.z())};
+  Eigen::Matrix3d within = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d between = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    const Eigen::Vector3d deviation = difference(particles_[i].proposal.pose, estimate_.pose);
+    within += weights[i] * particles_[i].proposal.covariance;
+    between += weights[i] * deviation * deviation.transpose();
+  }
+  // A sample's own mean is nearer to it than the true mean is: the weighted form of n / (n - 1).
+  const double effective = effectiveCount(weights);
+  if (effective > 1.0 + 1e-9) between *= effective / (effective - 1.0);
+  estimate_.covariance = within + between;
+}
+
+void FastSlam::updateMaps(const FeatureList& list,
+                          const std::vector<DescriptorPointer>& descriptors,
+                          const std::vector<Observation>& observations,
+                          const std::vector<Evidence>& evidence) {
+  const std::vector<double> weights = this->weights();
+  std::vector<std::optional<LandmarkId>> fresh_ids(observations.size());
+  std::map<LandmarkId, double> matched_weights;  // of the landmarks that some particle changed
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    Particle& particle = particles_[k];
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      const Association& association = evidence[k].associations[i];
+      const PointMeasurement& measured = observations[i].measured;
+      if (association.verdict == Verdict::kMatched) {
+        const Landmark& before = *particle.landmarks.find(association.id);
+        const Innovation found = innovation(particle.map_from_base, before, measured);
+        particle.landmarks.set(association.id, updated(before, found, measured));
+        matched_weights[association.id] += weights[k];
+      } else if (association.verdict == Verdict::kNew) {
+        std::optional<LandmarkId> id = idUsedElsewhere(observations[i], particle);
+        if (!id && !fresh_ids[i])
+          fresh_ids[i] = registry_.create(list.features[i], descriptors[i]).id;
+        if (!id) id = fresh_ids[i];
+        particle.landmarks.set(*id, createLandmark(particle.map_from_base, measured));
+        matched_weights[*id] += 0.0;
+      }
+    }
+  }
+  for (const auto& [id, weight] : matched_weights) {
+    LandmarkRecord& record = *registry_.find(id);
+    record.matched_weight = std::max(record.matched_weight, weight);
+    refreshBounds(record);
+  }
+  rememberViews(descriptors, evidence[best_].associations);
+}
+
+std::optional<LandmarkId> FastSlam::idUsedElsewhere(const Observation& observation,
+                                                    const Particle& particle) const {
+  const Eigen::Vector2d place_m = particle.map_from_base * observation.measured.position_m;
+  std::optional<LandmarkId> nearest;
+  double least_m = parameters_.minimum_feature_separation;
+  for (const Prospect& prospect : observation.prospects) {
+    if (particle.landmarks.find(prospect.id) != nullptr) continue;
+    const LandmarkRecord& record = *registry_.find(prospect.id);
+    const double distance_m = (record.bounds_m.center() - place_m).norm();
+    if (distance_m >= least_m) continue;
+    least_m = distance_m;
+    nearest = prospect.id;
+  }
+  return nearest;
+}
+
+void FastSlam::rememberViews(const std::vector<DescriptorPointer>& descriptors,
+                             const std::vector<Association>& associations) {
+  const Particle& best = particles_[best_];
+  for (std::size_t i = 0; i < associations.size(); ++i) {
+    if (associations[i].verdict != Verdict::kMatched) continue;
+    LandmarkRecord& record = *registry_.find(associations[i].id);
+    const Eigen::Vector2d robot_from_landmark_m =
+        best.map_from_base.translation() - best.landmarks.find(record.id)->mean_m;
+    addView(record, robot_from_landmark_m, matcher(record.type), descriptors[i]);
+  }
+}
+
+void FastSlam::refreshBounds(LandmarkRecord& record) const {
+  const double gate = std::sqrt(parameters_.association_gate);
+  record.bounds_m.setEmpty();
+  for (const Particle& particle : particles_) {
+    const Landmark* landmark = particle.landmarks.find(record.id);
+    if (landmark == nullptr) continue;
+    const double reach_m = gate * std::sqrt(landmark->covariance_m2.trace());
+    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() - reach_m));
+    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() + reach_m));
+  }
+}
+
+void FastSlam::rate(const Evidence& evidence) {
+  quality_.matched_count = quality_.new_count = quality_.ignored_count = 0;
+  for (const Association& association : evidence.associations) {
+    if (association.verdict == Verdict::kMatched) ++quality_.matched_count;
+    if (association.verdict == Verdict::kNew) ++quality_.new_count;
+    if (association.verdict == Verdict::kIgnored) ++quality_.ignored_count;
+  }
+  if (evidence.associations.empty()) return;
+  const double matched = quality_.matched_count / static_cast<double>(evidence.associations.size());
+  quality_.matched_fraction += (1.0 - kMemory) * (matched - quality_.matched_fraction);
+  if (evidence.correction_count == 0) return;
+  const double innovation = evidence.squared_mahalanobis / (2.0 * evidence.correction_count);
+  quality_.normalised_innovation += (1.0 - kMemory) * (innovation - quality_.normalised_innovation);
+}
+
+void FastSlam::collectEvidence(const FieldOfView* view) {
+  const Eigen::Vector3d moved = difference(estimate_.pose, last_evidence_pose_);
+  if (moved.head<2>().norm() < parameters_.evidence_distance &&
+      std::abs(moved.z()) < parameters_.evidence_angle) {
+    return;
+  }
+  last_evidence_pose_ = estimate_.pose;
+  const double seen =
+      std::log(parameters_.detection_probability / parameters_.false_detection_probability);
+  const std::vector<double> weights = this->weights();
+  std::vector<LandmarkId> refuted;
+  for (LandmarkRecord& record : registry_.records()) {
+    const double unseen_weight = 1.0 - record.matched_weight;
+    double evidence = record.matched_weight * seen;
+    record.matched_weight = 0.0;
+    if (view != nullptr && unseen_weight > 0.0)
+      evidence += unseen_weight * doubt(record, *view, weights);
+    if (evidence == 0.0) continue;
+    record.existence_log_odds =
+        std::min(parameters_.maximum_log_odds, record.existence_log_odds + evidence);
+    if (record.existence_log_odds < parameters_.delete_log_odds) refuted.push_back(record.id);
+  }
+  for (const LandmarkId id : refuted) remove(id);
+}
+
+double FastSlam::doubt(const LandmarkRecord& record,
+                       const FieldOfView& view,
+                       const std::vector<double>& weights) const {
+  if (record.bounds_m.exteriorDistance(estimate_.pose.translation()) > view.range_m()) return 0.0;
+  const double missed = std::log((1.0 - parameters_.detection_probability) /
+                                 (1.0 - parameters_.false_detection_probability));
+  double sum = 0.0;
+  double held_weight = 0.0;
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    const Landmark* landmark = particles_[k].landmarks.find(record.id);
+    if (landmark == nullptr) continue;
+    held_weight += weights[k];
+    const Pose2& map_from_base = particles_[k].map_from_base;
+    const Sight sight = view.look(map_from_base.inverse() * landmark->mean_m);
+    if (sight == Sight::kEmpty) {
+      sum += weights[k] * kPassedLogOdds;
+    } else if (sight == Sight::kVisible &&
+               knownFrom(record, map_from_base.translation() - landmark->mean_m)) {
+      sum += weights[k] * missed;
+    }
+  }
+  return held_weight > 0.0 ? sum / held_weight : 0.0;
+}
+
+void FastSlam::remove(LandmarkId id) {
+  registry_.remove(id);
+  for (Particle& particle : particles_) particle.landmarks.erase(id);
+}
+
+void FastSlam::resample() {
+  const std::vector<double> weights = this->weights();
+  const bool always = parameters_.mode == FastSlamMode::kFastSlam1;
+  const double effective = effectiveCount(weights);
+  if (!always && effective >= parameters_.resample_threshold * static_cast<double>(weights.size()))
+    return;
+  Random random(parameters_.seed, update_count_, particles_.size());
+  const std::vector<std::size_t> kept = resampleLowVariance(weights, random);
+  std::vector<Particle> particles;
+  particles.reserve(particles_.size());
+  for (const std::size_t i : kept) particles.push_back(particles_[i]);
+  best_ =
+      static_cast<std::size_t>(std::lower_bound(kept.begin(), kept.end(), best_) - kept.begin());
+  particles_ = std::move(particles);
+  for (Particle& particle : particles_) particle.log_weight = 0.0;
+  forgetAbandoned();
+}
+
+void FastSlam::forgetAbandoned() {
+  std::vector<LandmarkId> abandoned;
+  for (const LandmarkRecord& record : registry_.records()) {
+    const bool held =
+        particles_[best_].landmarks.find(record.id) != nullptr ||
+        std::any_of(particles_.begin(), particles_.end(), [&record](const Particle& particle) {
+          return particle.landmarks.find(record.id) != nullptr;
+        });
+    if (!held) abandoned.push_back(record.id);
+  }
+  for (const LandmarkId id : abandoned) registry_.remove(id);
+}
+
+LandmarkMap FastSlam::landmarks() const {
+  LandmarkMap map = summarise(registry_, particles_[best_], particles_, weights());
+  map.stamp_ns = stamp_ns_;
+  return map;
+}
+
+const FeatureMatcher* FastSlam::matcher(const std::string& type) const {
+  const auto place = matchers_.find(type);
+  return place == matchers_.end() ? nullptr : place->second.get();
+}
+
+void FastSlam::unshare() {
+  for (Particle& particle : particles_) particle.landmarks = particle.landmarks.deepCopy();
+}
+
+std::size_t FastSlam::landmarkBytes() const {
+  std::unordered_set<const void*> seen;
+  std::size_t sum = 0;
+  for (const Particle& particle : particles_) sum += particle.landmarks.bytes(seen);
+  return sum;
+}
+
+}  // namespace ram_slam

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/fast_slam/field_of_view.hpp"
+
+#include <algorithm>
+
+namespace ram_slam {
+namespace {
+
+constexpr double kMarginAtMaximumRange_m =
+    0.5;                            // corners at the edge of the range are seldom found
+constexpr double kBlocked_m = 0.2;  // a reading this much nearer than the point hides it
+constexpr double kPassed_m = 0.3;   // a reading this much farther says that nothing is there
+constexpr int kBeamsBeside = 1;
+
+}  // namespace
+
+LaserView::LaserView(const LaserScan& scan, const Pose2& base_from_laser)
+    : scan_(scan),
+      laser_from_base_(base_from_laser.inverse()),
+      base_to_laser_m_(base_from_laser.translation().norm()) {
+  scan_.validate();
+}
+
+double LaserView::range_m() const {
+  return scan_.range_max_m + base_to_laser_m_;
+}
+
+Sight LaserView::look(const Eigen::Vector2d& point_in_base_m) const {
+  const Eigen::Vector2d point = laser_from_base_ * point_in_base_m;
+  const double range_m = point.norm();
+  if (range_m < scan_.range_min_m || range_m > scan_.range_max_m - kMarginAtMaximumRange_m) {
+    return Sight::kHidden;
+  }
+  const double middle_rad =
+      scan_.angle_min_rad +
+      0.5 * scan_.angle_increment_rad * static_cast<double>(scan_.ranges_m.size() - 1);
+  const double from_middle_rad = wrapAngle(std::atan2(point.y(), point.x()) - middle_rad);
+  const double exact_beam =
+      (middle_rad + from_middle_rad - scan_.angle_min_rad) / scan_.angle_increment_rad;
+  const int beam = static_cast<int>(std::lround(exact_beam));
+  if (beam < kBeamsBeside || beam + kBeamsBeside >= static_cast<int>(scan_.ranges_m.size())) {
+    return Sight::kHidden;
+  }
+  bool near_hit = false;
+  bool all_pass = true;
+  for (int i = beam - kBeamsBeside; i <= beam + kBeamsBeside; ++i) {
+    const Return reading = scan_.at(i);
+    if (reading == Return::kInvalid || reading == Return::kTooClose) return Sight::kHidden;
+    const double beyond_m =
+        reading == Return::kNothing ? scan_.range_max_m : scan_.ranges_m[i] - range_m;
+    if (beyond_m < -kBlocked_m) return Sight::kHidden;
+    near_hit = near_hit || beyond_m < kPassed_m;
+    all_pass = all_pass && beyond_m > kPassed_m;
+  }
+  if (all_pass) return Sight::kEmpty;
+  return near_hit ? Sight::kVisible : Sight::kHidden;
+}
+
+}  // namespace ram_slam
