@@ -72,11 +72,25 @@ private:
            static_cast<std::size_t>(row);
   }
   /// Sets the bits of the cells first_x .. last_x of a row; indices count from the box's corner.
-  void setFree(int row, int first_x, int last_x);
+  void setFree(std::int64_t row, std::int64_t first_x, std::int64_t last_x) {
+    const std::uint64_t first_mask = ~std::uint64_t{0} << (first_x & 63);
+    const std::uint64_t last_mask = ~std::uint64_t{0} >> (63 - (last_x & 63));
+    std::uint64_t* words = free_.data() + (row >> 6) * width_words_ + (row & 63);
+    std::uint64_t* first = words + (first_x & ~63);
+    std::uint64_t* last = words + (last_x & ~63);
+    if (first == last) {
+      *first |= first_mask & last_mask;
+      return;
+    }
+    *first |= first_mask;
+    for (first += 64; first != last; first += 64) *first = ~std::uint64_t{0};
+    *last |= last_mask;
+  }
   void traceFree(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
 
   TileBox box_;
   std::size_t width_tiles_ = 0;
+  std::int64_t width_words_ = 0;
   std::vector<std::uint64_t> free_;
   std::vector<std::uint64_t> hit_;
 };
