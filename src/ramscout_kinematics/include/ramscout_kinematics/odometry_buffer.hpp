@@ -24,7 +24,7 @@ struct OdometrySample {
 
 struct OdometryBufferParameters {
   /// Length of the history that can be asked about.
-  double buffer_duration_s = 10.0;
+  double buffer_duration_s = 30.0;
   /// A sample may arrive this much after newer ones and is still put in its place.
   double reorder_window_s = 0.5;
   /// A sample older than the newest by more than this means that the clock was set back: the
@@ -36,7 +36,7 @@ struct OdometryBufferParameters {
   /// gap_s.
   double gap_s = 0.5;
   /// Gaps longer than this are not bridged: requests that touch one are refused.
-  double max_gap_s = 2.0;
+  double max_gap_s = 10.0;
   /// Fastest the robot can move; samples that imply more than twice that are jumps of the odometry.
   double max_speed_mps = 2.0;
   double max_turn_rate_radps = 6.0;

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The whole stack on a recording, as fast as it goes: a ROS bag or a CARMEN log in, the files of a
+// run out.
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include <CLI/CLI.hpp>
+#include <boost/timer/progress_display.hpp>
+#include <ros/package.h>
+#include <sys/resource.h>
+
+#include "ram_slam/atomic_file.hpp"
+#include "ramscout_bringup/carmen_recording.hpp"
+#include "ramscout_bringup/slam_pipeline.hpp"
+
+#include "../ros/bag_recording.hpp"
+
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+void requestStop(int /*signal*/) {
+  stop_requested = 1;
+}
+
+struct Options {
+  std::string input;
+  std::string output;
+  std::string config;
+  ramscout_bringup_ros::BagSelection bag;
+};
+
+std::unique_ptr<ramscout_bringup::Recording> open(const Options& options) {
+  if (std::filesystem::path(options.input).extension() == ".bag") {
+    return std::make_unique<ramscout_bringup_ros::BagRecording>(options.input, options.bag);
+  }
+  return std::make_unique<ramscout_bringup::CarmenRecording>(options.input);
+}
+
+void feed(ramscout_bringup::Recording& recording, ramscout_bringup::SlamPipeline& pipeline) {
+  constexpr unsigned long kSteps = 100;
+  boost::timer::progress_display bar(kSteps, std::cout);
+  while (auto reading = recording.next()) {
+    std::visit([&](auto&& value) { pipeline.add(std::move(value)); }, std::move(*reading));
+    const auto step = static_cast<unsigned long>(kSteps * recording.progress());
+    if (step > bar.count()) bar += step - bar.count();
+    if (stop_requested != 0) {
+      std::cout << "\nstopped; writing what there is\n";
+      return;
+    }
+  }
+}
+
+/// What the run cost. Kept apart from summary.json, which is the same for every repetition.
+nlohmann::ordered_json cost(double recorded_s) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  const double cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  return {{"cpu_s", cpu_s},
+          {"recorded_s", recorded_s},
+          {"times_real_time", recorded_s / cpu_s},
+          {"peak_memory_mb", static_cast<double>(usage.ru_maxrss) / 1024.0}};
+}
+
+void run(const Options& options) {
+  const auto parameters = ramscout_bringup::readSlamParameters(options.config);
+  ramscout_bringup::SlamPipeline pipeline(parameters);
+  const auto recording = open(options);
+  feed(*recording, pipeline);
+  for (const std::string& note : recording->notes()) std::cout << note << "\n";
+  ramscout_bringup::Results results = pipeline.finish();
+  results.summary["notes"] = recording->notes();
+  std::filesystem::create_directories(options.output);
+  ramscout_bringup::writeResults(results, options.output);
+  const nlohmann::ordered_json timing = cost(results.summary["duration_s"]);
+  ram_slam::writeFileAtomically(options.output + "/timing.json", timing.dump(2) + "\n");
+  std::cout << results.summary.dump(2) << "\n" << timing.dump(2) << "\n";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Runs the whole SLAM stack on a recording, as fast as it goes, and writes map, trajectory, "
+      "landmarks, picture and "
+      "summary. Ctrl-C stops early with what there is.");
+  Options options;
+  options.output = "results";
+  app.add_option("input", options.input, "ROS bag (.bag) or CARMEN log (.clf, .log, also .gz, .xz)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--output", options.output, "folder to write to, made if missing")->capture_default_str();
+  app.add_option("--config", options.config,
+                 "folder with the nodes' parameter files; default: the installed one")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--scan-topic", options.bag.scan_topic,
+                 "default: the bag's topic called scan, or its only one");
+  app.add_option("--odom-topic", options.bag.odometry_topic,
+                 "default: the bag's topic called odom, or tf");
+  app.add_option("--odom-frame", options.bag.odom_frame, "parent of base-frame on tf")->capture_default_str();
+  app.add_option("--base-frame", options.bag.base_frame, "the robot's frame")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  std::signal(SIGINT, requestStop);
+  try {
+    if (options.config.empty())
+      options.config = ros::package::getPath("ramscout_bringup") + "/config";
+    run(options);
+  } catch (const std::exception& error) {
+    std::cerr << "run_bag: " << error.what() << "\n";
+    return EXIT_FAILURE;
+  }
+  return EXIT_SUCCESS;
+}
