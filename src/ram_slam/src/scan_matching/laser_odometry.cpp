@@ -20,6 +20,8 @@ constexpr double kSearchDeviationM = 0.06;
 constexpr int kSearchLevels = 4;
 constexpr std::size_t kSearchPoints = 150;
 constexpr double kMinSearchScore = 0.35;
+constexpr double kWideSearchAngleRad =
+    3.2;  // all round, when a search about the prediction has failed
 constexpr double kWeakPriorFactor = 100.0;  // by which the variance of disbelieved wheels grows
 
 void require(bool good, const char* name, double value, const char* bound) {
@@ -224,20 +226,26 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
   if (!slipped && best.inlier_ratio >= parameters_.lost_inlier_ratio) return best;
 
   prior.information /= kWeakPriorFactor;
-  std::vector<Pose2> guesses{best.map_from_laser, before * base_from_laser,
-                             before * last_.motion.pose * base_from_laser};
-  if (best.inlier_ratio < parameters_.lost_inlier_ratio) {
-    if (const auto found = search(surfaces, predicted)) guesses.push_back(*found);
-  }
-  for (const Pose2& guess : guesses) {
+  const auto tryFrom = [&](const Pose2& guess) {
     const ScanMatch other = matchScan(surfaces, reference_scans, prior, guess, parameters_.matcher);
     if (other.inlier_ratio > best.inlier_ratio) best = other;
+  };
+  tryFrom(best.map_from_laser);
+  tryFrom(before * base_from_laser);
+  tryFrom(before * last_.motion.pose * base_from_laser);
+  for (const double angle_rad : {parameters_.search_angle_rad, kWideSearchAngleRad}) {
+    if (best.inlier_ratio >= parameters_.lost_inlier_ratio) break;
+    if (const auto found = search(surfaces, predicted, angle_rad)) {
+      prior = {*found, Eigen::Matrix3d::Identity()};
+      tryFrom(*found);
+    }
   }
   return best;
 }
 
 std::optional<Pose2> LaserOdometry::search(const SurfaceScan& surfaces,
-                                           const Pose2& odom_from_laser) const {
+                                           const Pose2& odom_from_laser,
+                                           double angle_rad) const {
   std::vector<Eigen::Vector2f> points_in_odom;
   for (const ReferenceScan& reference : references()) {
     const Eigen::Matrix2f rotation = reference.map_from_laser.rotation().cast<float>();
@@ -251,7 +259,7 @@ std::optional<Pose2> LaserOdometry::search(const SurfaceScan& surfaces,
                                   kSearchLevels);
   SearchWindow window;
   window.distance_m = parameters_.search_distance_m;
-  window.angle_rad = parameters_.search_angle_rad;
+  window.angle_rad = angle_rad;
   const auto found = searchPose(pyramid, spread(surfaces.points, kSearchPoints), odom_from_laser,
                                 window, kMinSearchScore);
   if (!found) return std::nullopt;

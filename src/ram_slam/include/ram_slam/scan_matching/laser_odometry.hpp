@@ -90,7 +90,9 @@ private:
                   const Pose2& base_from_laser,
                   const Prediction& prediction,
                   bool& slipped) const;
-  std::optional<Pose2> search(const SurfaceScan& surfaces, const Pose2& odom_from_laser) const;
+  std::optional<Pose2> search(const SurfaceScan& surfaces,
+                              const Pose2& odom_from_laser,
+                              double angle_rad) const;
   std::vector<ReferenceScan> references() const;
   bool isKeyScan(const Pose2& odom_from_laser, double inlier_ratio) const;
 

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/pose2.hpp"
+#include "ram_slam/scan_matching/scan_matcher.hpp"
+#include "ram_slam/scan_matching/surface_scan.hpp"
+#include "ram_slam/smoothing/joint_refinement.hpp"
+#include "ram_slam/smoothing/key_scan.hpp"
+#include "ram_slam/smoothing/loop_search.hpp"
+#include "ram_slam/smoothing/pose_graph.hpp"
+
+namespace ram_slam {
+
+/// Settings of MapSmoother.
+struct MapSmootherParameters {
+  SurfaceParameters surfaces;
+  ScanMatcherParameters matcher;
+  LoopSearchParameters loops;
+  PoseGraphParameters graph;
+  RefinementParameters refinement;
+  double key_scan_distance_m = 0.3;     ///< a new key scan after so much motion
+  double key_scan_angle_rad = 0.3;      ///< or so much turning
+  double loop_search_distance_m = 1.0;  ///< path between two searches for loops
+  /// Standard deviation of the given motion between two key scans, where scans do not tell better.
+  double motion_rest_deviation_m = 0.01;
+  double motion_rest_deviation_rad = 0.01;
+  double motion_deviation_m_per_m = 0.05;
+  double motion_deviation_rad_per_m = 0.03;
+  double motion_deviation_rad_per_rad = 0.05;
+  /// Standard deviation, at rest and per metre, of what two scans tell about the motion between
+  /// them: what their noise does not explain (moving things, scans out of the plane).
+  double match_deviation_m = 0.005;
+  double match_deviation_rad = 0.003;
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+/// \throws std::invalid_argument for an unknown key, a wrong type or a value out of bounds
+MapSmootherParameters readMapSmootherParameters(ram_parameters::ParameterReader& reader);
+
+/// What became of a loop closure.
+enum class ClosureState {
+  kAccepted,
+  kOutvoted,  ///< the rest of the graph contradicts it
+  kRefused,   ///< taken back by MapSmoother::refuseClosure()
+};
+
+/// A place that was recognised; the log of the smoother.
+struct LoopClosure {
+  std::int64_t old_stamp_ns = 0;
+  std::int64_t new_stamp_ns = 0;
+  PoseEdge edge;              ///< between laser poses of key scans
+  double score = 0.0;         ///< of the dense search
+  double inlier_ratio = 0.0;  ///< of the alignment
+  double correction_m = 0.0;  ///< how far it moved the newest pose when it was found
+  ClosureState state = ClosureState::kAccepted;
+};
+
+/// Makes a trajectory agree with all scans that were taken along it.
+///
+/// Scans are given with the pose that some odometry or estimator has for them, whose frame may
+/// drift. While they come, places are recognised and the trajectory is corrected roughly;
+/// optimize() does the rest.
+class MapSmoother {
+public:
+  /// \throws std::invalid_argument as MapSmootherParameters::validate()
+  explicit MapSmoother(const MapSmootherParameters& parameters);
+
+  /// \param odom_from_base  the given trajectory at the scan's stamp; the first one stays where it
+  /// is \throws std::invalid_argument, the state untouched, if the scan cannot be used, a pose is
+  /// not finite or the stamp
+  ///         is not later than that of the scan before
+  void addScan(const LaserScan& scan, const Pose2& base_from_laser, const Pose2& odom_from_base);
+
+  /// Solves the graph of all accepted closures and aligns all key scans with each other.
+  void optimize();
+
+  /// The corrected pose of the base at each scan's stamp.
+  std::vector<StampedPose2> trajectory() const;
+
+  const std::vector<LoopClosure>& closures() const { return closures_; }
+
+  /// Takes a closure back, or a refusal; takes effect with the next optimize().
+  /// \throws std::out_of_range if there is no such closure
+  void refuseClosure(std::size_t index);
+  void acceptClosure(std::size_t index);
+
+  /// Poses of the base at the key scans, with the edges of motion and accepted closures.
+  PoseGraph graph() const;
+
+  const std::vector<KeyScan>& keyScans() const { return key_scans_; }
+
+private:
+  struct ScanRecord {
+    std::int64_t stamp_ns = 0;
+    std::size_t key = 0;  ///< the key scan at or before it
+    Pose2 odom_from_base;
+  };
+
+  bool isKeyScan(const Pose2& odom_from_base) const;
+  void addKeyScan(std::int64_t stamp_ns,
+                  SurfaceScan surfaces,
+                  const Pose2& base_from_laser,
+                  const Pose2& odom_from_base);
+  PoseEdge motionEdge(std::size_t to) const;
+  Eigen::Matrix3d withFloor(const Eigen::Matrix3d& information) const;
+  void searchLoops();
+  std::vector<double> pathsToNewest() const;
+  PoseGraph laserGraph() const;
+  void solveGraph();
+
+  MapSmootherParameters parameters_;
+  std::vector<ScanRecord> scans_;
+  std::vector<KeyScan> key_scans_;
+  std::vector<Pose2> odom_from_laser_;  // as given, of key scans
+  std::vector<PoseEdge> motion_;        // between successive key scans, with what their scans tell
+  std::vector<LoopClosure> closures_;
+  double searched_path_m_ = 0.0;
+};
+
+}  // namespace ram_slam

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <iosfwd>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "ram_slam/pose2.hpp"
+
+namespace ram_slam {
+
+/// A relative pose that was measured between two poses of a graph.
+struct PoseEdge {
+  std::size_t from = 0;
+  std::size_t to = 0;
+  Pose2 from_from_to;  ///< the pose `to`, seen from the pose `from`
+  Eigen::Matrix3d information =
+      Eigen::Matrix3d::Identity();  ///< of x, y, yaw in the axes of `from`
+  bool may_be_false = false;        ///< a loop closure: a robust kernel guards against it
+};
+
+struct PoseGraph {
+  std::vector<Pose2> map_from_node;
+  std::vector<PoseEdge> edges;
+};
+
+struct PoseGraphSolution {
+  std::vector<Pose2> map_from_node;
+  /// How far each edge was believed, 0 .. 1; 1 for edges that cannot be false.
+  std::vector<double> edge_trust;
+};
+
+/// Settings of the least squares over a graph.
+struct PoseGraphParameters {
+  /// Squared Mahalanobis distance up to which a doubtful edge is believed in full: Phi in dynamic
+  /// covariance scaling (Agarwal et al., ICRA 2013).
+  double closure_tolerance_chi2 = 5.0;
+  int max_iterations = 20;
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+/// The poses that agree best with the edges: the least sum of e^T information e with
+/// e = (R_i^T (t_j - t_i) - t_ij, yaw_j - yaw_i - yaw_ij), the first pose staying where it is.
+/// Edges that may be false weigh less the less they agree (dynamic covariance scaling).
+///
+/// \throws std::invalid_argument if an edge names a node that is not there or carries a number that
+/// is not finite \throws std::runtime_error if the solver fails
+PoseGraphSolution solvePoseGraph(const PoseGraph& graph, const PoseGraphParameters& parameters);
+
+/// Squared Mahalanobis distance of an edge at given poses.
+double edgeChi2(const PoseEdge& edge, const std::vector<Pose2>& map_from_node);
+
+/// Writes the graph in g2o's text format (VERTEX_SE2, EDGE_SE2, FIX of the first vertex).
+void writeG2o(const PoseGraph& graph, std::ostream& out);
+
+/// Reads what writeG2o() writes. \throws std::runtime_error naming the line that is damaged
+PoseGraph readG2o(std::istream& in);
+
+}  // namespace ram_slam

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/smoothing/map_smoother.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <Eigen/LU>
+
+namespace ram_slam {
+namespace {
+
+constexpr double kViewRangeM = 8.0;       // what lies farther does not say where a scan looks
+constexpr double kMetresPerRadian = 0.5;  // turning counts as path: odometry drifts by it, too
+constexpr double kClosurePathM = 0.5;     // a closure is as good as so much path
+constexpr std::size_t kVerifiedCandidates = 3;
+constexpr double kSolveBeyondM =
+    0.1;  // a closure that moves the newest pose by more is solved for at once
+constexpr double kSolveBeyondRad = 0.03;
+constexpr double kMinTrust = 0.5;
+
+void requirePositive(const char* name, double value) {
+  if (!(value > 0.0))
+    throw std::invalid_argument(std::string(name) + " must be > 0, got " + std::to_string(value));
+}
+
+Eigen::Vector2d viewCentre(const SurfaceScan& surfaces) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double count = 0.0;
+  for (const SurfacePoint& point : surfaces.points) {
+    const Eigen::Vector2d place(point.x_m, point.y_m);
+    if (place.norm() > kViewRangeM) continue;
+    sum += place;
+    count += 1.0;
+  }
+  return count > 0.0 ? Eigen::Vector2d(sum / count) : sum;
+}
+
+}  // namespace
+
+void MapSmootherParameters::validate() const {
+  surfaces.validate();
+  matcher.validate();
+  loops.validate();
+  graph.validate();
+  refinement.validate();
+  requirePositive("key_scan_distance_m", key_scan_distance_m);
+  requirePositive("key_scan_angle_rad", key_scan_angle_rad);
+  requirePositive("loop_search_distance_m", loop_search_distance_m);
+  requirePositive("motion_rest_deviation_m", motion_rest_deviation_m);
+  requirePositive("motion_rest_deviation_rad", motion_rest_deviation_rad);
+  requirePositive("motion_deviation_m_per_m", motion_deviation_m_per_m);
+  requirePositive("motion_deviation_rad_per_m", motion_deviation_rad_per_m);
+  requirePositive("motion_deviation_rad_per_rad", motion_deviation_rad_per_rad);
+  requirePositive("match_deviation_m", match_deviation_m);
+  requirePositive("match_deviation_rad", match_deviation_rad);
+}
+
+MapSmootherParameters readMapSmootherParameters(ram_parameters::ParameterReader& reader) {
+  MapSmootherParameters parameters;
+  reader.read("neighbour_count", parameters.surfaces.neighbour_count);
+  reader.read("max_gap_m", parameters.surfaces.max_gap_m);
+  reader.read("max_line_deviation_m", parameters.surfaces.max_line_deviation_m);
+  reader.read("max_range_m", parameters.surfaces.max_range_m);
+  reader.read("first_gate_m", parameters.matcher.first_gate_m);
+  reader.read("last_gate_m", parameters.matcher.last_gate_m);
+  reader.read("min_normal_cosine", parameters.matcher.min_normal_cosine);
+  reader.read("robust_scale_m", parameters.matcher.robust_scale_m);
+  reader.read("range_deviation_m", parameters.matcher.range_deviation_m);
+  reader.read("correlated_beams", parameters.matcher.correlated_beams);
+  reader.read("max_iterations", parameters.matcher.max_iterations);
+  reader.read("max_points", parameters.matcher.max_points);
+  reader.read("key_scan_distance_m", parameters.key_scan_distance_m);
+  reader.read("key_scan_angle_rad", parameters.key_scan_angle_rad);
+  reader.read("motion_rest_deviation_m", parameters.motion_rest_deviation_m);
+  reader.read("motion_rest_deviation_rad", parameters.motion_rest_deviation_rad);
+  reader.read("motion_deviation_m_per_m", parameters.motion_deviation_m_per_m);
+  reader.read("motion_deviation_rad_per_m", parameters.motion_deviation_rad_per_m);
+  reader.read("motion_deviation_rad_per_rad", parameters.motion_deviation_rad_per_rad);
+  reader.read("match_deviation_m", parameters.match_deviation_m);
+  reader.read("match_deviation_rad", parameters.match_deviation_rad);
+  reader.read("loop_search_distance_m", parameters.loop_search_distance_m);
+  reader.read("loop_min_path_m", parameters.loops.min_path_m);
+  reader.read("loop_max_view_distance_m", parameters.loops.max_view_distance_m);
+  reader.read("loop_drift_m_per_m", parameters.loops.drift_m_per_m);
+  reader.read("loop_drift_rad_per_m", parameters.loops.drift_rad_per_m);
+  reader.read("loop_max_distance_m", parameters.loops.max_distance_m);
+  reader.read("loop_max_angle_rad", parameters.loops.max_angle_rad);
+  reader.read("loop_neighbour_count", parameters.loops.neighbour_count);
+  reader.read("loop_min_score", parameters.loops.min_score);
+  reader.read("loop_min_inlier_ratio", parameters.loops.min_inlier_ratio);
+  reader.read("loop_max_free_space_ratio", parameters.loops.max_free_space_ratio);
+  reader.read("loop_max_round_trip_m", parameters.loops.max_round_trip_m);
+  reader.read("loop_max_round_trip_rad", parameters.loops.max_round_trip_rad);
+  reader.read("closure_tolerance_chi2", parameters.graph.closure_tolerance_chi2);
+  reader.read("graph_max_iterations", parameters.graph.max_iterations);
+  reader.read("refinement_iterations", parameters.refinement.iterations);
+  reader.read("refinement_loop_neighbour_count", parameters.refinement.loop_neighbour_count);
+  reader.read("refinement_max_view_distance_m", parameters.refinement.max_view_distance_m);
+  reader.read("refinement_max_angle_rad", parameters.refinement.max_angle_rad);
+  reader.read("refinement_min_inlier_ratio", parameters.refinement.min_inlier_ratio);
+  reader.rejectUnknown();
+  parameters.validate();
+  return parameters;
+}
+
+MapSmoother::MapSmoother(const MapSmootherParameters& parameters) : parameters_(parameters) {
+  parameters_.validate();
+}
+
+void MapSmoother::addScan(const LaserScan& scan,
+                          const Pose2& base_from_laser,
+                          const Pose2& odom_from_base) {
+  if (!base_from_laser.isFinite() || !odom_from_base.isFinite())
+    throw std::invalid_argument("pose not finite");
+  scan.validate();
+  if (!scans_.empty() && scan.stamp_ns <= scans_.back().stamp_ns) {
+    throw std::invalid_argument("scan of stamp " + std::to_string(scan.stamp_ns) +
+                                " ns, not later than the last one, " +
+                                std::to_string(scans_.back().stamp_ns) + " ns");
+  }
+  if (key_scans_.empty() || isKeyScan(odom_from_base)) {
+    addKeyScan(scan.stamp_ns, extractSurfaces(scan, parameters_.surfaces), base_from_laser,
+               odom_from_base);
+    if (key_scans_.back().path_m - searched_path_m_ >= parameters_.loop_search_distance_m)
+      searchLoops();
+  }
+  scans_.push_back({scan.stamp_ns, key_scans_.size() - 1, odom_from_base});
+}
+
+bool MapSmoother::isKeyScan(const Pose2& odom_from_base) const {
+  const KeyScan& last = key_scans_.back();
+  const Pose2 motion =
+      (odom_from_laser_.back() * last.base_from_laser.inverse()).inverse() * odom_from_base;
+  return motion.translation().norm() >= parameters_.key_scan_distance_m ||
+         std::abs(motion.yaw_rad) >= parameters_.key_scan_angle_rad;
+}
+
+void MapSmoother::addKeyScan(std::int64_t stamp_ns,
+                             SurfaceScan surfaces,
+                             const Pose2& base_from_laser,
+                             const Pose2& odom_from_base) {
+  KeyScan key;
+  key.stamp_ns = stamp_ns;
+  key.view_centre_in_laser_m = viewCentre(surfaces);
+  key.surfaces = std::move(surfaces);
+  key.base_from_laser = base_from_laser;
+  odom_from_laser_.push_back(odom_from_base * base_from_laser);
+  key.map_from_laser = odom_from_laser_.back();
+  if (!key_scans_.empty()) {
+    const KeyScan& last = key_scans_.back();
+    const Pose2 motion =
+        odom_from_laser_[odom_from_laser_.size() - 2].inverse() * odom_from_laser_.back();
+    key.map_from_laser = last.map_from_laser * motion;
+    key.path_m =
+        last.path_m + motion.translation().norm() + kMetresPerRadian * std::abs(motion.yaw_rad);
+  }
+  key_scans_.push_back(std::move(key));
+  if (key_scans_.size() == 1) return;
+
+  // The given motion is the prior of an alignment with the scan before.
+  PoseEdge edge = motionEdge(key_scans_.size() - 1);
+  const KeyScan& last = key_scans_[edge.from];
+  const ScanMatch match =
+      matchScan(key_scans_.back().surfaces, {{&last.surfaces, Pose2{}}},
+                {edge.from_from_to, edge.information}, edge.from_from_to, parameters_.matcher);
+  edge.from_from_to = match.map_from_laser;
+  edge.information = withFloor(edge.information + match.information);
+  motion_.push_back(edge);
+  key_scans_.back().map_from_laser = last.map_from_laser * edge.from_from_to;
+}
+
+PoseEdge MapSmoother::motionEdge(std::size_t to) const {
+  PoseEdge edge;
+  edge.from = to - 1;
+  edge.to = to;
+  edge.from_from_to = odom_from_laser_[to - 1].inverse() * odom_from_laser_[to];
+  const double distance_m = edge.from_from_to.translation().norm();
+  const double deviation_m =
+      parameters_.motion_rest_deviation_m + parameters_.motion_deviation_m_per_m * distance_m;
+  const double deviation_rad =
+      parameters_.motion_rest_deviation_rad + parameters_.motion_deviation_rad_per_m * distance_m +
+      parameters_.motion_deviation_rad_per_rad * std::abs(edge.from_from_to.yaw_rad);
+  edge.information.diagonal() << 1.0 / (deviation_m * deviation_m),
+      1.0 / (deviation_m * deviation_m), 1.0 / (deviation_rad * deviation_rad);
+  return edge;
+}
+
+Eigen::Matrix3d MapSmoother::withFloor(const Eigen::Matrix3d& information) const {
+  const double translation = parameters_.match_deviation_m * parameters_.match_deviation_m;
+  const double rotation = parameters_.match_deviation_rad * parameters_.match_deviation_rad;
+  const Eigen::Matrix3d floor = Eigen::Vector3d(translation, translation, rotation).asDiagonal();
+  // (C + floor)^-1 without C, which does not exist where the walls leave a direction open.
+  return information * (Eigen::Matrix3d::Identity() + floor * information).inverse();
+}
+
+void MapSmoother::searchLoops() {
+  const std::size_t newest = key_scans_.size() - 1;
+  searched_path_m_ = key_scans_[newest].path_m;
+  std::vector<double> paths_m = pathsToNewest();
+  std::vector<std::size_t> candidates =
+      findLoopCandidates(key_scans_, newest, paths_m, parameters_.loops);
+  if (candidates.size() > kVerifiedCandidates) candidates.resize(kVerifiedCandidates);
+  for (const std::size_t candidate : candidates) {
+    const auto match = verifyLoop(key_scans_, candidate, newest, paths_m[candidate],
+                                  parameters_.matcher, parameters_.loops);
+    if (!match) continue;
+    const Pose2 wanted = key_scans_[candidate].map_from_laser * match->edge.from_from_to;
+    const Pose2 correction = key_scans_[newest].map_from_laser.inverse() * wanted;
+    LoopClosure closure;
+    closure.old_stamp_ns = key_scans_[candidate].stamp_ns;
+    closure.new_stamp_ns = key_scans_[newest].stamp_ns;
+    closure.edge = match->edge;
+    closure.edge.information = withFloor(closure.edge.information);
+    closure.score = match->score;
+    closure.inlier_ratio = match->inlier_ratio;
+    closure.correction_m = correction.translation().norm();
+    closures_.push_back(closure);
+    if (closure.correction_m > kSolveBeyondM || std::abs(correction.yaw_rad) > kSolveBeyondRad)
+      solveGraph();
+  }
+}
+
+std::vector<double> MapSmoother::pathsToNewest() const {
+  std::vector<std::vector<std::pair<std::size_t, double>>> neighbours(key_scans_.size());
+  const auto connect = [&](std::size_t a, std::size_t b, double length_m) {
+    neighbours[a].emplace_back(b, length_m);
+    neighbours[b].emplace_back(a, length_m);
+  };
+  for (std::size_t i = 1; i < key_scans_.size(); ++i)
+    connect(i - 1, i, key_scans_[i].path_m - key_scans_[i - 1].path_m);
+  for (const LoopClosure& closure : closures_) {
+    if (closure.state == ClosureState::kAccepted)
+      connect(closure.edge.from, closure.edge.to, kClosurePathM);
+  }
+  std::vector<double> length_m(key_scans_.size(), std::numeric_limits<double>::infinity());
+  using Entry = std::pair<double, std::size_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  length_m.back() = 0.0;
+  queue.emplace(0.0, key_scans_.size() - 1);
+  while (!queue.empty()) {
+    const auto [length, node] = queue.top();
+    queue.pop();
+    if (length > length_m[node]) continue;
+    for (const auto& [next, step] : neighbours[node]) {
+      if (length + step >= length_m[next]) continue;
+      length_m[next] = length + step;
+      queue.emplace(length_m[next], next);
+    }
+  }
+  return length_m;
+}
+
+PoseGraph MapSmoother::laserGraph() const {
+  PoseGraph graph;
+  for (const KeyScan& key : key_scans_) graph.map_from_node.push_back(key.map_from_laser);
+  graph.edges = motion_;
+  for (const LoopClosure& closure : closures_) {
+    if (closure.state == ClosureState::kAccepted) graph.edges.push_back(closure.edge);
+  }
+  return graph;
+}
+
+void MapSmoother::solveGraph() {
+  const PoseGraphSolution solution = solvePoseGraph(laserGraph(), parameters_.graph);
+  for (std::size_t i = 0; i < key_scans_.size(); ++i)
+    key_scans_[i].map_from_laser = solution.map_from_node[i];
+  std::size_t edge = motion_.size();
+  for (LoopClosure& closure : closures_) {
+    if (closure.state != ClosureState::kAccepted) continue;
+    if (solution.edge_trust[edge++] < kMinTrust) closure.state = ClosureState::kOutvoted;
+  }
+}
+
+void MapSmoother::optimize() {
+  if (key_scans_.empty()) return;
+  solveGraph();
+  std::vector<PoseEdge> priors;
+  for (std::size_t to = 1; to < key_scans_.size(); ++to) priors.push_back(motionEdge(to));
+  const std::vector<Pose2> refined =
+      refineJointly(key_scans_, priors, parameters_.matcher, parameters_.refinement);
+  for (std::size_t i = 0; i < key_scans_.size(); ++i) key_scans_[i].map_from_laser = refined[i];
+}
+
+std::vector<StampedPose2> MapSmoother::trajectory() const {
+  // A scan keeps its place relative to the key scans before and after it, each by the share of the
+  // other's path.
+  std::vector<StampedPose2> poses;
+  poses.reserve(scans_.size());
+  for (const ScanRecord& scan : scans_) {
+    const auto corrected = [&](std::size_t key) {
+      const Pose2 key_laser_from_base = odom_from_laser_[key].inverse() * scan.odom_from_base;
+      return key_scans_[key].map_from_laser * key_laser_from_base;
+    };
+    Pose2 pose = corrected(scan.key);
+    if (scan.key + 1 < key_scans_.size() && scan.stamp_ns > key_scans_[scan.key].stamp_ns) {
+      const auto since = static_cast<double>(scan.stamp_ns - key_scans_[scan.key].stamp_ns);
+      const auto interval =
+          static_cast<double>(key_scans_[scan.key + 1].stamp_ns - key_scans_[scan.key].stamp_ns);
+      pose = interpolate(pose, corrected(scan.key + 1), since / interval);
+    }
+    poses.push_back({scan.stamp_ns, pose});
+  }
+  return poses;
+}
+
+void MapSmoother::refuseClosure(std::size_t index) {
+  closures_.at(index).state = ClosureState::kRefused;
+}
+
+void MapSmoother::acceptClosure(std::size_t index) {
+  closures_.at(index).state = ClosureState::kAccepted;
+}
+
+PoseGraph MapSmoother::graph() const {
+  PoseGraph graph = laserGraph();
+  for (std::size_t i = 0; i < key_scans_.size(); ++i) {
+    graph.map_from_node[i] = key_scans_[i].map_from_laser * key_scans_[i].base_from_laser.inverse();
+  }
+  for (PoseEdge& edge : graph.edges) {
+    edge.from_from_to = key_scans_[edge.from].base_from_laser * edge.from_from_to *
+                        key_scans_[edge.to].base_from_laser.inverse();
+    Eigen::Matrix3d base_axes = Eigen::Matrix3d::Identity();
+    base_axes.topLeftCorner<2, 2>() = key_scans_[edge.from].base_from_laser.rotation();
+    edge.information = base_axes * edge.information * base_axes.transpose();
+  }
+  return graph;
+}
+
+}  // namespace ram_slam

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/smoothing/map_smoother.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "../scan_matching/walls.hpp"
+
+namespace ram_slam {
+namespace {
+
+using ::testing::Each;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+using ::testing::ThrowsMessage;
+
+const Pose2 kMount{0.1, 0.0, 0.0};
+constexpr double kScaleError = 1.03;
+
+/// A corridor round a block, with niches that no two stretches have alike.
+Walls building() {
+  Walls walls = rectangle(-1.2, -1.2, 13.2, 9.2) + rectangle(1.0, 1.0, 11.0, 7.0);
+  const std::vector<Eigen::Vector2d> pillars{{2.2, -1.2}, {4.9, -1.2}, {6.1, 1.0},  {9.4, -1.2},
+                                             {13.2, 1.7}, {13.2, 4.4}, {11.0, 5.9}, {10.1, 9.2},
+                                             {7.7, 9.2},  {5.0, 7.0},  {3.2, 9.2},  {-1.2, 7.4},
+                                             {-1.2, 5.1}, {1.0, 3.3},  {-1.2, 1.4}};
+  for (std::size_t i = 0; i < pillars.size(); ++i) {
+    const double half_m = 0.15 + 0.02 * static_cast<double>(i);
+    const Eigen::Vector2d& p = pillars[i];
+    walls = walls + rectangle(p.x() - half_m, p.y() - half_m, p.x() + half_m, p.y() + half_m);
+  }
+  return walls;
+}
+
+/// Rounds of the corridor, a pose each 0.1 m.
+std::vector<Pose2> rounds(int count) {
+  std::vector<Pose2> poses{Pose2{}};
+  for (int round = 0; round < count; ++round) {
+    for (const int steps : {120, 80, 120, 80}) {
+      for (int i = 0; i < steps; ++i) poses.push_back(poses.back() * Pose2{0.1, 0.0, 0.0});
+      for (int i = 0; i < 15; ++i) poses.push_back(poses.back() * Pose2{0.0, 0.0, M_PI_2 / 15});
+    }
+  }
+  return poses;
+}
+
+/// The same drive as wheels tell it whose radius is taken 3 % too large and that pull to one side.
+std::vector<Pose2> drifting(const std::vector<Pose2>& truth) {
+  std::vector<Pose2> poses{truth[0]};
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    Pose2 motion = truth[i - 1].inverse() * truth[i];
+    motion.x_m *= kScaleError;
+    motion.yaw_rad += 0.02 * motion.x_m;
+    poses.push_back(poses.back() * motion);
+  }
+  return poses;
+}
+
+double rmsError(const std::vector<StampedPose2>& trajectory, const std::vector<Pose2>& truth) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    sum += (trajectory[i].pose.translation() - truth[i].translation()).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(truth.size()));
+}
+
+MapSmoother smoothed(const Walls& walls,
+                     const std::vector<Pose2>& truth,
+                     const std::vector<Pose2>& odometry) {
+  MapSmoother smoother{MapSmootherParameters()};
+  TestLaser laser;
+  laser.range_deviation_m = 0.01;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
+    smoother.addScan(scanWalls(walls, truth[i] * kMount, stamp_ns, laser), kMount, odometry[i]);
+  }
+  smoother.optimize();
+  return smoother;
+}
+
+TEST(MapSmoother, CutsTheErrorOfDriftingWheelsFivefold) {
+  const std::vector<Pose2> truth = rounds(2);
+  const std::vector<Pose2> odometry = drifting(truth);
+  const MapSmoother smoother = smoothed(building(), truth, odometry);
+  std::vector<StampedPose2> before;
+  for (const Pose2& pose : odometry) before.push_back({0, pose});
+  EXPECT_LT(rmsError(smoother.trajectory(), truth), 0.2 * rmsError(before, truth));
+  EXPECT_LT(rmsError(smoother.trajectory(), truth), 0.05);
+  EXPECT_THAT(smoother.closures(), Not(IsEmpty()));
+}
+
+TEST(MapSmoother, GivesAPoseForEachScanAtItsStamp) {
+  const std::vector<Pose2> truth = rounds(1);
+  const auto trajectory = smoothed(building(), truth, truth).trajectory();
+  ASSERT_THAT(trajectory, SizeIs(truth.size()));
+  EXPECT_EQ(trajectory[0].stamp_ns, 100000000);
+  EXPECT_EQ(trajectory[77].stamp_ns, 7800000000);
+  EXPECT_EQ(trajectory[0].pose.x_m, truth[0].x_m);
+}
+
+TEST(MapSmoother, FindsNoLoopWherePlacesOnlyLookAlike) {
+  // Two rooms of the same shape, 40 m of winding corridor apart.
+  const auto room = [](double x_m) {
+    return outline({{x_m - 2, -2}, {x_m + 2, -2}, {x_m + 2, -0.6}}) +
+           outline({{x_m - 2, 2}, {x_m + 2, 2}, {x_m + 2, 0.6}});
+  };
+  const Walls walls =
+      room(0.0) + room(40.0) + Walls{{{2, 0.6}, {38, 0.6}}, {{2, -0.6}, {38, -0.6}}};
+  std::vector<Pose2> truth;
+  for (int i = 0; i < 400; ++i) truth.push_back({0.1 * i, 0.0, 0.0});
+  EXPECT_THAT(smoothed(walls, truth, drifting(truth)).closures(), IsEmpty());
+}
+
+TEST(MapSmoother, RefusingAndAcceptingAClosureAgainRestoresTheTrajectory) {
+  const std::vector<Pose2> truth = rounds(2);
+  MapSmoother smoother = smoothed(building(), truth, drifting(truth));
+  smoother.optimize();
+  const double error = rmsError(smoother.trajectory(), truth);
+  for (std::size_t i = 0; i < smoother.closures().size(); ++i) smoother.refuseClosure(i);
+  smoother.optimize();
+  EXPECT_THAT(smoother.closures(), Each(Field(&LoopClosure::state, ClosureState::kRefused)));
+  for (std::size_t i = 0; i < smoother.closures().size(); ++i) smoother.acceptClosure(i);
+  smoother.optimize();
+  EXPECT_NEAR(rmsError(smoother.trajectory(), truth), error, 0.002);
+  EXPECT_THROW(smoother.refuseClosure(100000), std::out_of_range);
+}
+
+TEST(MapSmoother, ExportsAGraphWhoseNodesAreThePosesOfTheBase) {
+  const std::vector<Pose2> truth = rounds(1);
+  const MapSmoother smoother = smoothed(building(), truth, truth);
+  const PoseGraph graph = smoother.graph();
+  ASSERT_EQ(graph.map_from_node.size(), smoother.keyScans().size());
+  EXPECT_NEAR(graph.map_from_node[0].x_m, truth[0].x_m, 1e-12);
+  for (const PoseEdge& edge : graph.edges) {
+    const Pose2 difference =
+        edge.from_from_to.inverse() *
+        (graph.map_from_node[edge.from].inverse() * graph.map_from_node[edge.to]);
+    EXPECT_LT(difference.translation().norm(), 0.03);
+  }
+}
+
+TEST(MapSmoother, SameInputGivesTheSameBits) {
+  const std::vector<Pose2> truth = rounds(1);
+  const auto a = smoothed(building(), truth, drifting(truth)).trajectory();
+  const auto b = smoothed(building(), truth, drifting(truth)).trajectory();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].pose.x_m, b[i].pose.x_m);
+    EXPECT_EQ(a[i].pose.yaw_rad, b[i].pose.yaw_rad);
+  }
+}
+
+TEST(MapSmoother, RefusesWhatItCannotUse) {
+  MapSmoother smoother{MapSmootherParameters()};
+  const LaserScan scan = scanWalls(building(), kMount, 5);
+  smoother.addScan(scan, kMount, Pose2{});
+  EXPECT_THAT([&] { smoother.addScan(scan, kMount, Pose2{}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("not later than the last")));
+  EXPECT_THROW(smoother.addScan(LaserScan(), kMount, Pose2{}), std::invalid_argument);
+  EXPECT_THROW(smoother.addScan(scan, kMount, Pose2{0.0, NAN, 0.0}), std::invalid_argument);
+  EXPECT_THAT(smoother.trajectory(), SizeIs(1));
+}
+
+TEST(MapSmoother, HasNothingToSayBeforeTheFirstScan) {
+  MapSmoother smoother{MapSmootherParameters()};
+  smoother.optimize();
+  EXPECT_THAT(smoother.trajectory(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace ram_slam

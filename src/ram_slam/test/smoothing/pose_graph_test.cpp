@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/smoothing/pose_graph.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "ram_slam/random.hpp"
+
+namespace ram_slam {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+double distance(const Pose2& a, const Pose2& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+PoseEdge between(const std::vector<Pose2>& poses, std::size_t from, std::size_t to) {
+  PoseEdge edge;
+  edge.from = from;
+  edge.to = to;
+  edge.from_from_to = poses[from].inverse() * poses[to];
+  return edge;
+}
+
+/// A drive of `laps` about a square of 10 m with a pose each half metre.
+std::vector<Pose2> laps(int count) {
+  std::vector<Pose2> poses{Pose2{}};
+  for (int step = 0; step < 80 * count; ++step) {
+    const double turn = step % 20 == 19 ? M_PI_2 : 0.0;
+    poses.push_back(poses.back() * Pose2{0.5, 0.0, turn});
+  }
+  return poses;
+}
+
+/// The drive as odometry of some noise tells it, with true closures between the laps.
+PoseGraph noisyGraph(const std::vector<Pose2>& truth) {
+  PoseGraph graph;
+  Random random(3);
+  Eigen::Matrix3d covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
+  graph.map_from_node.push_back(truth[0]);
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    PoseEdge edge = between(truth, i - 1, i);
+    edge.from_from_to = edge.from_from_to * exponential(random.gaussian(covariance));
+    edge.information = covariance.inverse();
+    graph.map_from_node.push_back(graph.map_from_node.back() * edge.from_from_to);
+    graph.edges.push_back(edge);
+  }
+  for (std::size_t i = 80; i < truth.size(); i += 4) {
+    PoseEdge closure = between(truth, i - 80, i);
+    closure.from_from_to = closure.from_from_to * exponential(random.gaussian(covariance));
+    closure.information = covariance.inverse();
+    closure.may_be_false = true;
+    graph.edges.push_back(closure);
+  }
+  return graph;
+}
+
+double meanError(const std::vector<Pose2>& poses, const std::vector<Pose2>& truth) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < poses.size(); ++i) sum += distance(poses[i], truth[i]);
+  return sum / static_cast<double>(poses.size());
+}
+
+TEST(SolvePoseGraph, SpreadsAMisfitEvenlyOverAChainAndItsClosure) {
+  // n edges of 1 m and a closure that says n + r: each edge takes r / (n + 1).
+  constexpr std::size_t kEdges = 9;
+  constexpr double kMisfitM = 0.5;
+  PoseGraph graph;
+  for (std::size_t i = 0; i <= kEdges; ++i)
+    graph.map_from_node.push_back({static_cast<double>(i), 0.0, 0.0});
+  for (std::size_t i = 0; i < kEdges; ++i)
+    graph.edges.push_back(between(graph.map_from_node, i, i + 1));
+  PoseEdge closure = between(graph.map_from_node, 0, kEdges);
+  closure.from_from_to.x_m += kMisfitM;
+  graph.edges.push_back(closure);
+
+  const PoseGraphSolution solution = solvePoseGraph(graph, {});
+  for (std::size_t i = 0; i <= kEdges; ++i) {
+    const double expected = static_cast<double>(i) * (1.0 + kMisfitM / (kEdges + 1));
+    EXPECT_NEAR(solution.map_from_node[i].x_m, expected, 1e-6);
+    EXPECT_NEAR(solution.map_from_node[i].y_m, 0.0, 1e-9);
+  }
+}
+
+TEST(SolvePoseGraph, LeavesAConsistentGraphAsItIs) {
+  PoseGraph graph;
+  graph.map_from_node = laps(1);
+  for (std::size_t i = 1; i < graph.map_from_node.size(); ++i)
+    graph.edges.push_back(between(graph.map_from_node, i - 1, i));
+  graph.edges.push_back(between(graph.map_from_node, 0, 80));
+  EXPECT_LT(meanError(solvePoseGraph(graph, {}).map_from_node, graph.map_from_node), 1e-9);
+}
+
+TEST(SolvePoseGraph, ClosesLoopsThatDriftHasOpenedFarBeyondTheTolerance) {
+  const std::vector<Pose2> truth = laps(3);
+  const PoseGraph graph = noisyGraph(truth);
+  ASSERT_GT(edgeChi2(graph.edges.back(), graph.map_from_node), 100.0);
+  const PoseGraphSolution solution = solvePoseGraph(graph, {});
+  EXPECT_LT(meanError(solution.map_from_node, truth), 0.5 * meanError(graph.map_from_node, truth));
+  for (const double trust : solution.edge_trust) EXPECT_GT(trust, 0.5);
+}
+
+TEST(SolvePoseGraph, TwentyPercentOfFalseClosuresRaiseTheErrorByLessThanTenPercent) {
+  const std::vector<Pose2> truth = laps(3);
+  PoseGraph graph = noisyGraph(truth);
+  const double error_without = meanError(solvePoseGraph(graph, {}).map_from_node, truth);
+  Random random(7);
+  const std::size_t true_count = (truth.size() - 80 + 3) / 4;
+  const std::size_t first_false = graph.edges.size();
+  const auto node = [&] {
+    return static_cast<std::size_t>(random.uniform() * static_cast<double>(truth.size()));
+  };
+  while (graph.edges.size() - first_false < true_count / 4) {
+    PoseEdge closure = graph.edges.back();
+    closure.from = node();
+    closure.to = node();
+    if (closure.from == closure.to) continue;
+    closure.from_from_to = {random.uniform() - 0.5, random.uniform() - 0.5, 6.0 * random.uniform()};
+    graph.edges.push_back(closure);
+  }
+  const PoseGraphSolution solution = solvePoseGraph(graph, {});
+  EXPECT_LT(meanError(solution.map_from_node, truth), 1.1 * error_without);
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    if (i < first_false) {
+      EXPECT_GT(solution.edge_trust[i], 0.5) << i;
+    } else {
+      EXPECT_LT(solution.edge_trust[i], 0.5) << i;
+    }
+  }
+}
+
+TEST(SolvePoseGraph, GivesTheSameBitsTwice) {
+  const PoseGraph graph = noisyGraph(laps(2));
+  const PoseGraphSolution a = solvePoseGraph(graph, {});
+  const PoseGraphSolution b = solvePoseGraph(graph, {});
+  for (std::size_t i = 0; i < a.map_from_node.size(); ++i) {
+    EXPECT_EQ(a.map_from_node[i].x_m, b.map_from_node[i].x_m);
+    EXPECT_EQ(a.map_from_node[i].yaw_rad, b.map_from_node[i].yaw_rad);
+  }
+}
+
+TEST(SolvePoseGraph, RefusesEdgesThatMakeNoSense) {
+  PoseGraph graph;
+  graph.map_from_node = {Pose2{}, Pose2{}};
+  graph.edges = {PoseEdge{}};
+  graph.edges[0].to = 2;
+  EXPECT_THAT([&] { solvePoseGraph(graph, {}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("edge 0 - 2")));
+  graph.edges[0].to = 1;
+  graph.edges[0].from_from_to.x_m = NAN;
+  EXPECT_THAT([&] { solvePoseGraph(graph, {}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("not finite")));
+}
+
+TEST(G2o, ReadsBackWhatItWrote) {
+  PoseGraph graph = noisyGraph(laps(1));
+  graph.edges[0].information(0, 1) = graph.edges[0].information(1, 0) = 1.0 / 3.0;
+  std::stringstream file;
+  writeG2o(graph, file);
+  const PoseGraph read = readG2o(file);
+  ASSERT_EQ(read.map_from_node.size(), graph.map_from_node.size());
+  ASSERT_EQ(read.edges.size(), graph.edges.size());
+  EXPECT_EQ(read.map_from_node[7].y_m, graph.map_from_node[7].y_m);
+  EXPECT_EQ(read.edges[0].information, graph.edges[0].information);
+  EXPECT_EQ(read.edges[5].from_from_to.yaw_rad, graph.edges[5].from_from_to.yaw_rad);
+  std::istringstream damaged("VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 zero\n");
+  EXPECT_THAT([&] { readG2o(damaged); }, ThrowsMessage<std::runtime_error>(HasSubstr("line 2")));
+}
+
+}  // namespace
+}  // namespace ram_slam
