@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "ram_parameters/parameter_reader.hpp"
+#include "ramscout_sim/ray_caster.hpp"
+
+namespace ramscout_sim {
+
+/// A planar lidar; defaults are a Hokuyo UTM-30LX.
+struct LidarParameters {
+  int beams = 1081;
+  double angle_min_rad = -2.35619449;
+  double angle_max_rad = 2.35619449;
+  double scan_rate_hz = 40.0;
+  /// From one beam to the next; 0: all beams at once.
+  double time_increment_s = 1.7361111e-5;
+  double range_min_m = 0.1;
+  double range_max_m = 30.0;
+  /// Standard deviation of a range: the largest of the three.
+  double range_sigma_m = 0.01;
+  double range_sigma_per_m = 0.0;
+  double far_range_sigma_m = 0.03;  ///< holds from far_range_m on
+  double far_range_m = 10.0;
+  /// Standard deviation of an error that all beams share and that stays for a run.
+  double range_bias_sigma_m = 0.0;
+  /// Ranges are multiples of it; 0: not rounded.
+  double range_resolution_m = 0.001;
+  /// Chance of a reading anywhere before the surface.
+  double outlier_probability = 0.0;
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+  double angleIncrement_rad() const { return (angle_max_rad - angle_min_rad) / (beams - 1); }
+  /// From the first to the last beam.
+  double sweep_s() const { return time_increment_s * (beams - 1); }
+};
+
+/// Reads key `preset` (utm_30lx, urg_04lx, sick_lms, rplidar_a2), then every other key as in
+/// LidarParameters, which overrides the preset.
+LidarParameters readLidarParameters(ram_parameters::ParameterReader& reader);
+
+/// What the lidar measured; beam i points to angle_min_rad + i * angleIncrement_rad().
+struct Scan {
+  std::int64_t stamp_ns = 0;  ///< of the first beam
+  /// REP 117: +Inf nothing in range, -Inf nearer than range_min_m.
+  std::vector<float> ranges_m;
+};
+
+/// Poses that a moving sensor had, in order of time, not empty.
+struct SensorPath {
+  std::vector<std::int64_t> stamps_ns;
+  std::vector<Eigen::Isometry3d> world_from_laser;
+};
+
+class Lidar {
+public:
+  /// \throws std::invalid_argument from LidarParameters::validate
+  Lidar(const LidarParameters& parameters, std::uint64_t seed);
+
+  const LidarParameters& parameters() const { return parameters_; }
+
+  /// One scan. Each beam starts where the sensor is at its own moment; between two samples of the
+  /// path position and direction are interpolated linearly. \param scan_index  keys the noise: same
+  /// index, same noise
+  Scan measure(std::int64_t stamp_ns,
+               std::uint64_t scan_index,
+               const SensorPath& path,
+               const RayCaster& world) const;
+
+  /// The rays of a scan, in world axes.
+  std::vector<Ray> rays(std::int64_t stamp_ns, const SensorPath& path) const;
+
+private:
+  float toReading(double true_range_m, std::uint64_t reading_index) const;
+
+  LidarParameters parameters_;
+  std::uint64_t seed_;
+  double range_bias_m_;
+  std::vector<Eigen::Vector3d> directions_in_laser_;
+};
+
+}  // namespace ramscout_sim

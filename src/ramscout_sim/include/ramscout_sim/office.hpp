@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "ram_parameters/parameter_reader.hpp"
+#include "ramscout_sim/tour.hpp"
+#include "ramscout_sim/world.hpp"
+
+namespace ramscout_sim {
+
+/// A generated office building: corridors around blocks of rooms, so that each block is a loop.
+struct OfficeParameters {
+  int seed = 1;
+  int blocks_along_x = 2;
+  int blocks_along_y = 1;
+  double block_length_m = 17.0;  ///< along x; subdivided into rooms
+  double room_depth_m = 5.0;     ///< along y; a block is two rooms deep
+  double corridor_width_m = 2.0;
+  double door_width_m = 1.0;
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+  double length_m() const {
+    return blocks_along_x * (block_length_m + corridor_width_m) + corridor_width_m;
+  }
+  /// With the outer rooms, that surround the corridors on the long sides.
+  double depth_m() const {
+    return blocks_along_y * (2.0 * room_depth_m + corridor_width_m) + corridor_width_m +
+           2.0 * room_depth_m;
+  }
+};
+
+/// Reads every key of OfficeParameters.
+OfficeParameters readOfficeParameters(ram_parameters::ParameterReader& reader);
+
+struct Office {
+  World world;
+  /// Around every block, through the first corridor twice.
+  Tour tour;
+};
+
+/// Same parameters, same building. The corner of the building is at the origin.
+Office generateOffice(const OfficeParameters& parameters);
+
+/// Writes a world file that readWorld reads. \throws std::runtime_error if that fails
+void writeWorldFile(const World& world, const std::string& path);
+
+/// Writes a tour file that readTour reads. \throws std::runtime_error if that fails
+void writeTour(const Tour& tour, const std::string& path);
+
+}  // namespace ramscout_sim

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Geometry>
+
+#include "ramscout_sim/pose2.hpp"
+#include "ramscout_sim/robot_description.hpp"
+#include "ramscout_sim/world.hpp"
+
+namespace ramscout_sim {
+
+/// One number per driven wheel.
+struct WheelPair {
+  double left = 0.0;
+  double right = 0.0;
+};
+
+/// The robot as rigid bodies on the floor, among the solids of a world (ODE).
+///
+/// Each wheel touches the floor in one point, friction acts along and across its rolling direction,
+/// and its limit follows the load of the step before (ODE by itself takes the load without
+/// friction, so that weight transfer would not reach the traction limit). Casters do not rub. The
+/// chassis collides with the solids. Results depend on the inputs only; there are no random
+/// numbers.
+class Physics {
+public:
+  /// \throws std::invalid_argument if the robot starts inside a solid
+  Physics(const RobotDescription& robot, const World& world, const Pose2& world_from_base);
+  ~Physics();
+  Physics(Physics&&) noexcept;
+  Physics& operator=(Physics&&) noexcept;
+
+  /// Advances by `duration_s`; the motors try to turn the wheels at `wheel_speeds_radps`, within
+  /// their torque. \throws std::runtime_error if the result is not finite; the simulation must not
+  /// go on then
+  void step(double duration_s, const WheelPair& wheel_speeds_radps);
+
+  Eigen::Isometry3d worldFromBase() const;
+  /// Of the base frame's origin, in world axes.
+  Eigen::Vector3d linearVelocity_mps() const;
+  Eigen::Vector3d angularVelocity_radps() const;
+
+  /// Turned so far; not wrapped.
+  WheelPair wheelAngles_rad() const;
+  WheelPair wheelSpeeds_radps() const;
+  /// Upward force of the floor on each wheel in the last step.
+  WheelPair wheelLoads_n() const;
+
+  /// Whether the chassis touched a solid in the last step.
+  bool touchesSolid() const;
+
+  /// Puts the robot there, at rest; wheel angles stay.
+  /// \throws std::invalid_argument if it is not finite or inside a solid; nothing changes then
+  void setPose(const Pose2& world_from_base);
+
+private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace ramscout_sim

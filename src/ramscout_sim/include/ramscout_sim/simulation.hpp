@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "ram_parameters/parameter_reader.hpp"
+#include "ramscout_sim/lidar.hpp"
+#include "ramscout_sim/physics.hpp"
+#include "ramscout_sim/ray_caster.hpp"
+#include "ramscout_sim/robot_description.hpp"
+#include "ramscout_sim/tour.hpp"
+#include "ramscout_sim/wheel_odometry.hpp"
+#include "ramscout_sim/world.hpp"
+
+namespace ramscout_sim {
+
+/// Limits of what the motors are told.
+struct DriveParameters {
+  double max_speed_mps = 1.5;
+  double max_turn_speed_radps = 3.0;
+  double max_acceleration_mps2 = 1.0;
+  double max_turn_acceleration_radps2 = 4.0;
+  /// A command older than this counts as zero.
+  double command_timeout_s = 0.5;
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+struct SimulationParameters {
+  int seed = 1;
+  double physics_rate_hz = 1000.0;
+  double odometry_rate_hz = 100.0;
+  DriveParameters drive;
+  OdometryParameters odometry;
+  LidarParameters lidar;
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+/// Reads `seed`, `physics_rate_hz`, `odometry_rate_hz` and the sections `drive`, `odometry`,
+/// `lidar`. Leaves unknown keys of the top level to the caller, who may have more.
+SimulationParameters readSimulationParameters(ram_parameters::ParameterReader& reader);
+
+/// The robot as it really is.
+struct GroundTruth {
+  std::int64_t stamp_ns = 0;
+  Eigen::Isometry3d world_from_base = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d linear_velocity_mps = Eigen::Vector3d::Zero();     ///< base axes
+  Eigen::Vector3d angular_velocity_radps = Eigen::Vector3d::Zero();  ///< base axes
+};
+
+/// What became due in one step.
+struct Outputs {
+  std::optional<OdometryReading> odometry;
+  std::optional<GroundTruth> ground_truth;  ///< together with the odometry
+  std::optional<Scan> scan;
+};
+
+/// Robot, lidar and world, advanced step by step. Same parameters, commands and seed: same outputs,
+/// bit by bit.
+class Simulation {
+public:
+  /// Stamp of the start: not 0, which ROS takes for "no time".
+  static constexpr std::int64_t kStart_ns = 1'000'000'000;
+
+  /// \param tour  drives the robot; without one it obeys command()
+  /// \throws std::invalid_argument if a parameter is out of bounds or the robot starts inside a
+  /// solid
+  Simulation(const SimulationParameters& parameters,
+             const RobotDescription& robot,
+             const World& world,
+             const std::optional<Tour>& tour);
+
+  /// Clamped to the drive's limits; holds for DriveParameters::command_timeout_s. Ignored during a
+  /// tour. \throws std::invalid_argument if it is not finite; the robot stops then
+  void command(const Twist2& twist);
+
+  /// Advances by one physics step. \throws std::runtime_error if the physics diverge
+  Outputs step();
+
+  /// Teleports the robot; odometry does not notice. \throws std::invalid_argument as
+  /// Physics::setPose
+  void setPose(const Pose2& world_from_base);
+
+  std::int64_t now_ns() const { return now_ns_; }
+  GroundTruth groundTruth() const;
+  /// Share of the tour that is driven; 0 without a tour.
+  double tourProgress() const { return driver_ ? driver_->progress() : 0.0; }
+  bool inCollision() const { return physics_.touchesSolid(); }
+
+private:
+  Twist2 wantedTwist();
+  WheelPair wheelCommand(double duration_s);
+  void rememberPose();
+  std::optional<Scan> scanIfDue();
+
+  SimulationParameters parameters_;
+  RobotDescription robot_;  // nominal
+  RayCaster ray_caster_;
+  Physics physics_;
+  WheelOdometry odometry_;
+  Lidar lidar_;
+  std::optional<TourDriver> driver_;
+  std::int64_t now_ns_ = kStart_ns;
+  std::int64_t steps_ = 0;
+  std::uint64_t odometry_count_ = 0;
+  std::uint64_t scan_count_ = 0;
+  Twist2 commanded_;
+  std::int64_t commanded_at_ns_ = 0;
+  Twist2 setpoint_;
+  SensorPath recent_path_;  // back to the start of the scan that is under way
+};
+
+}  // namespace ramscout_sim

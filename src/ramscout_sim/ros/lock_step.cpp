@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_sim/ros/lock_step.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include <boost/bind/bind.hpp>
+
+namespace ramscout_sim_ros {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// How often a wait looks whether ROS is shutting down.
+constexpr std::chrono::milliseconds kPatience(50);
+
+Clock::time_point inSeconds(double duration_s) {
+  return Clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(duration_s * 1e3));
+}
+
+}  // namespace
+
+void LockStepParameters::validate() const {
+  if (!(timeout_s > 0.0 && timeout_s <= 3600.0)) {
+    throw std::invalid_argument("lock_step_timeout_s must be in (0, 3600], got " +
+                                std::to_string(timeout_s));
+  }
+  if (!(start_timeout_s >= 0.0 && start_timeout_s <= 3600.0)) {
+    throw std::invalid_argument("lock_step_start_timeout_s must be in [0, 3600], got " +
+                                std::to_string(start_timeout_s));
+  }
+}
+
+LockStep::LockStep(ros::NodeHandle& node, const LockStepParameters& parameters)
+    : parameters_((parameters.validate(), parameters)), latest_stamps_(parameters.topics.size()) {
+  constexpr std::uint32_t kQueue = 100;
+  for (std::size_t i = 0; i < parameters_.topics.size(); ++i) {
+    const boost::function<void(const HeaderOnly&)> callback = [this, i](const HeaderOnly& message) {
+      onMessage(i, message);
+    };
+    subscribers_.push_back(node.subscribe<HeaderOnly>(
+        parameters_.topics[i], kQueue,
+        boost::function<void(const boost::shared_ptr<const HeaderOnly>&)>(
+            [callback](const boost::shared_ptr<const HeaderOnly>& message) { callback(*message); }),
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+  }
+}
+
+void LockStep::onMessage(std::size_t topic, const HeaderOnly& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  latest_stamps_[topic] = std::max(latest_stamps_[topic], message.header.stamp);
+  answered_.notify_all();
+}
+
+bool LockStep::allConnected(const ros::Publisher& scans) const {
+  return scans.getNumSubscribers() > 0 && std::all_of(subscribers_.begin(), subscribers_.end(),
+                                                      [](const ros::Subscriber& subscriber) {
+                                                        return subscriber.getNumPublishers() > 0;
+                                                      });
+}
+
+void LockStep::waitForStart(const ros::Publisher& scans) {
+  if (subscribers_.empty()) return;
+  const Clock::time_point deadline = inSeconds(parameters_.start_timeout_s);
+  while (ros::ok() && !allConnected(scans)) {
+    if (Clock::now() >= deadline) {
+      ROS_WARN("Lock step: not every topic has a publisher; starting all the same");
+      return;
+    }
+    ros::WallDuration(0.02).sleep();
+  }
+}
+
+std::string LockStep::unanswered(const ros::Time& stamp) const {
+  std::string names;
+  for (std::size_t i = 0; i < latest_stamps_.size(); ++i) {
+    if (latest_stamps_[i] < stamp) names += " " + parameters_.topics[i];
+  }
+  return names;
+}
+
+void LockStep::waitFor(const ros::Time& scan_stamp) {
+  if (subscribers_.empty()) return;
+  const Clock::time_point deadline = inSeconds(parameters_.timeout_s);
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (ros::ok() && !unanswered(scan_stamp).empty()) {
+    if (Clock::now() >= deadline) {
+      ROS_WARN_STREAM("Lock step: no answer to the scan of "
+                      << scan_stamp << " s within " << parameters_.timeout_s << " s on"
+                      << unanswered(scan_stamp) << "; going on");
+      return;
+    }
+    answered_.wait_for(lock, kPatience);
+  }
+}
+
+}  // namespace ramscout_sim_ros

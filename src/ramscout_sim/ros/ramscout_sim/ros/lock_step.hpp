@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <ros/ros.h>
+
+#include "ramscout_sim/ros/header_only.hpp"
+
+namespace ramscout_sim_ros {
+
+struct LockStepParameters {
+  /// Topics whose messages begin with a header; empty: nobody is waited for.
+  std::vector<std::string> topics;
+  /// Wall time after which the simulation goes on without an answer.
+  double timeout_s = 5.0;
+  /// Wall time to wait at the start until every topic has a publisher and scans have a subscriber.
+  double start_timeout_s = 30.0;
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+/// Lets the simulation wait until those who work on its scans are done with the last one: a scan is
+/// answered when every topic has brought a message with the scan's stamp or a later one.
+class LockStep {
+public:
+  LockStep(ros::NodeHandle& node, const LockStepParameters& parameters);
+
+  /// Blocks until everybody is connected, shutdown, or the time-out. \param scans  the topic the
+  /// others listen to
+  void waitForStart(const ros::Publisher& scans);
+
+  /// Blocks until the scan with this stamp is answered, shutdown, or the time-out (warns then).
+  /// Callbacks must be served by another thread.
+  void waitFor(const ros::Time& scan_stamp);
+
+private:
+  void onMessage(std::size_t topic, const HeaderOnly& message);
+  bool allConnected(const ros::Publisher& scans) const;
+  std::string unanswered(const ros::Time& stamp) const;
+
+  LockStepParameters parameters_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::mutex mutex_;
+  std::condition_variable answered_;
+  std::vector<ros::Time> latest_stamps_;
+};
+
+}  // namespace ramscout_sim_ros

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_sim/map_image.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+
+#include "ram_parameters/parameter_reader.hpp"
+
+namespace ramscout_sim {
+namespace {
+
+constexpr int kMaxSide_cells = 16384;
+
+struct Picture {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> pixels;  // row-major, top row first
+};
+
+[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+  throw std::runtime_error(path + ": " + reason);
+}
+
+/// The next number of a PGM header; comments run from # to the end of the line.
+int readHeaderNumber(std::istream& stream, const std::string& path, int largest) {
+  while (true) {
+    const int next = stream.peek();
+    if (next == '#') {
+      stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+    } else if (next != EOF && std::isspace(next)) {
+      stream.get();
+    } else {
+      break;
+    }
+  }
+  int value = 0;
+  if (!(stream >> value) || value < 1 || value > largest) {
+    refuse(path, "the PGM header must hold width, height (1 to " + std::to_string(kMaxSide_cells) +
+                     ") and a largest value of 1 to 255");
+  }
+  return value;
+}
+
+Picture readPgm(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) refuse(path, "cannot be opened");
+  char magic[2] = {};
+  stream.read(magic, 2);
+  if (!stream || magic[0] != 'P' || magic[1] != '5') refuse(path, "not a binary PGM (magic P5)");
+  Picture picture;
+  picture.width = readHeaderNumber(stream, path, kMaxSide_cells);
+  picture.height = readHeaderNumber(stream, path, kMaxSide_cells);
+  const int largest = readHeaderNumber(stream, path, 255);
+  stream.get();
+  const std::size_t size = static_cast<std::size_t>(picture.width) * picture.height;
+  std::error_code error;
+  if (std::filesystem::file_size(path, error) < size || error)
+    refuse(path, "ends before its last pixel");
+  picture.pixels.resize(size);
+  stream.read(reinterpret_cast<char*>(picture.pixels.data()), static_cast<std::streamsize>(size));
+  if (!stream) refuse(path, "ends before its last pixel");
+  if (largest != 255) {
+    for (std::uint8_t& pixel : picture.pixels) {
+      pixel = static_cast<std::uint8_t>(std::min<int>(pixel, largest) * 255 / largest);
+    }
+  }
+  return picture;
+}
+
+struct MapHeader {
+  std::string image;
+  double resolution = 0.0;
+  std::vector<double> origin;
+  double occupied_thresh = 0.65;
+  double free_thresh = 0.196;
+  int negate = 0;
+  std::string mode = "trinary";
+};
+
+MapHeader readMapHeader(const std::string& path) {
+  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
+  MapHeader header;
+  reader.read("image", header.image);
+  reader.read("resolution", header.resolution);
+  reader.read("origin", header.origin);
+  reader.read("occupied_thresh", header.occupied_thresh);
+  reader.read("free_thresh", header.free_thresh);
+  reader.read("negate", header.negate);
+  reader.read("mode", header.mode);
+  reader.rejectUnknown();
+  if (header.image.empty()) refuse(path, "image: the name of a PGM file is missing");
+  if (!(header.resolution > 0.0 && header.resolution <= 10.0)) {
+    refuse(path, "resolution: must be in (0, 10] m, got " + std::to_string(header.resolution));
+  }
+  if (header.origin.size() != 3) refuse(path, "origin: must be [x, y, yaw]");
+  if (!(0.0 <= header.free_thresh && header.free_thresh < header.occupied_thresh &&
+        header.occupied_thresh <= 1.0)) {
+    refuse(path, "free_thresh and occupied_thresh: must satisfy 0 <= free < occupied <= 1");
+  }
+  if (header.negate != 0 && header.negate != 1) refuse(path, "negate: must be 0 or 1");
+  if (header.mode != "trinary" && header.mode != "scale")
+    refuse(path, "mode: must be trinary or scale");
+  return header;
+}
+
+bool covers(const Solid& solid, const Eigen::Vector3d& point, double margin_m) {
+  const Eigen::Vector3d local = solid.world_from_solid.inverse(Eigen::Isometry) * point;
+  const Eigen::Vector3d half = 0.5 * solid.size_m;
+  switch (solid.shape) {
+    case Shape::kBox:
+      return (local.cwiseAbs().array() <= half.array() + margin_m).all();
+    case Shape::kCylinder:
+      return local.head<2>().norm() <= half.x() + margin_m &&
+             std::abs(local.z()) <= half.z() + margin_m;
+    case Shape::kSphere:
+      return local.norm() <= half.x() + margin_m;
+  }
+  return false;
+}
+
+void drawSolid(const Solid& solid, double height_m, MapImage& map) {
+  World alone;
+  alone.solids.push_back(solid);
+  const Eigen::AlignedBox3d bounds = boundsOf(alone);
+  const double r = map.resolution_m;
+  const auto cellOf = [r](double coordinate_m, double origin_m) {
+    return static_cast<int>(std::floor((coordinate_m - origin_m) / r));
+  };
+  const int left = std::max(0, cellOf(bounds.min().x(), map.world_from_map.x_m) - 1);
+  const int right =
+      std::min(map.width_cells - 1, cellOf(bounds.max().x(), map.world_from_map.x_m) + 1);
+  const int bottom = std::max(0, cellOf(bounds.min().y(), map.world_from_map.y_m) - 1);
+  const int top =
+      std::min(map.height_cells - 1, cellOf(bounds.max().y(), map.world_from_map.y_m) + 1);
+  for (int row = bottom; row <= top; ++row) {
+    for (int column = left; column <= right; ++column) {
+      const Eigen::Vector3d centre(map.world_from_map.x_m + (column + 0.5) * r,
+                                   map.world_from_map.y_m + (row + 0.5) * r, height_m);
+      if (covers(solid, centre, 0.5 * r)) {
+        map.cells[static_cast<std::size_t>(row) * map.width_cells + column] = Cell::kOccupied;
+      }
+    }
+  }
+}
+
+/// Turns the unknown cells that are connected with `start` (a cell index) into free ones.
+void floodFill(std::size_t start, MapImage& map) {
+  std::vector<std::size_t> open = {start};
+  const auto visit = [&](std::size_t index) {
+    if (map.cells[index] != Cell::kUnknown) return;
+    map.cells[index] = Cell::kFree;
+    open.push_back(index);
+  };
+  const std::size_t width = static_cast<std::size_t>(map.width_cells);
+  while (!open.empty()) {
+    const std::size_t index = open.back();
+    open.pop_back();
+    if (index % width > 0) visit(index - 1);
+    if (index % width + 1 < width) visit(index + 1);
+    if (index >= width) visit(index - width);
+    if (index + width < map.cells.size()) visit(index + width);
+  }
+}
+
+}  // namespace
+
+MapImage readMap(const std::string& yaml_path) {
+  const MapHeader header = readMapHeader(yaml_path);
+  std::filesystem::path image = header.image;
+  if (image.is_relative()) image = std::filesystem::path(yaml_path).parent_path() / image;
+  const Picture picture = readPgm(image.string());
+  MapImage map;
+  map.width_cells = picture.width;
+  map.height_cells = picture.height;
+  map.resolution_m = header.resolution;
+  map.world_from_map = {header.origin[0], header.origin[1], header.origin[2]};
+  map.cells.reserve(picture.pixels.size());
+  for (int row = picture.height - 1; row >= 0; --row) {
+    for (int column = 0; column < picture.width; ++column) {
+      const double grey =
+          picture.pixels[static_cast<std::size_t>(row) * picture.width + column] / 255.0;
+      const double occupied = header.negate != 0 ? grey : 1.0 - grey;
+      map.cells.push_back(occupied > header.occupied_thresh ? Cell::kOccupied
+                          : occupied < header.free_thresh   ? Cell::kFree
+                                                            : Cell::kUnknown);
+    }
+  }
+  return map;
+}
+
+void writeMap(const MapImage& map, const std::string& path_without_suffix) {
+  const std::string pgm_path = path_without_suffix + ".pgm";
+  std::ofstream pgm(pgm_path, std::ios::binary);
+  pgm << "P5\n" << map.width_cells << ' ' << map.height_cells << "\n255\n";
+  for (int row = map.height_cells - 1; row >= 0; --row) {
+    for (int column = 0; column < map.width_cells; ++column) {
+      const Cell cell = map.at(column, row);
+      pgm.put(static_cast<char>(cell == Cell::kFree ? 254 : cell == Cell::kOccupied ? 0 : 205));
+    }
+  }
+  pgm.close();
+  if (!pgm) refuse(pgm_path, "cannot be written");
+
+  const std::string yaml_path = path_without_suffix + ".yaml";
+  std::ofstream yaml(yaml_path);
+  yaml.precision(17);
+  yaml << "image: " << std::filesystem::path(pgm_path).filename().string()
+       << "\nresolution: " << map.resolution_m << "\norigin: [" << map.world_from_map.x_m << ", "
+       << map.world_from_map.y_m << ", " << map.world_from_map.yaw_rad
+       << "]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n";
+  yaml.close();
+  if (!yaml) refuse(yaml_path, "cannot be written");
+}
+
+std::vector<Solid> extrude(const MapImage& map, double height_m) {
+  std::vector<bool> taken(map.cells.size(), false);
+  const auto wanted = [&](int column, int row) {
+    const std::size_t index = static_cast<std::size_t>(row) * map.width_cells + column;
+    return map.cells[index] == Cell::kOccupied && !taken[index];
+  };
+  std::vector<Solid> solids;
+  for (int row = 0; row < map.height_cells; ++row) {
+    for (int column = 0; column < map.width_cells; ++column) {
+      if (!wanted(column, row)) continue;
+      int right = column;
+      while (right < map.width_cells && wanted(right, row)) ++right;
+      int top = row;
+      const auto fullRow = [&](int candidate) {
+        for (int c = column; c < right; ++c) {
+          if (!wanted(c, candidate)) return false;
+        }
+        return true;
+      };
+      while (top < map.height_cells && fullRow(top)) {
+        for (int c = column; c < right; ++c)
+          taken[static_cast<std::size_t>(top) * map.width_cells + c] = true;
+        ++top;
+      }
+      const Pose2 map_from_box{0.5 * (column + right) * map.resolution_m,
+                               0.5 * (row + top) * map.resolution_m, 0.0};
+      Solid box;
+      box.world_from_solid = toIsometry(map.world_from_map * map_from_box) *
+                             Eigen::Translation3d(0.0, 0.0, 0.5 * height_m);
+      box.size_m = {(right - column) * map.resolution_m, (top - row) * map.resolution_m, height_m};
+      solids.push_back(box);
+    }
+  }
+  return solids;
+}
+
+MapImage drawMap(const World& world, double height_m, double resolution_m) {
+  if (!(resolution_m > 0.0)) throw std::invalid_argument("resolution_m must be > 0");
+  constexpr double kMargin_m = 1.0;
+  const Eigen::AlignedBox3d bounds = boundsOf(world);
+  MapImage map;
+  map.resolution_m = resolution_m;
+  map.world_from_map.x_m = std::floor((bounds.min().x() - kMargin_m) / resolution_m) * resolution_m;
+  map.world_from_map.y_m = std::floor((bounds.min().y() - kMargin_m) / resolution_m) * resolution_m;
+  const Eigen::Vector3d extent = bounds.sizes();
+  if (extent.head<2>().maxCoeff() + 2.0 * kMargin_m > kMaxSide_cells * resolution_m) {
+    throw std::invalid_argument(
+        "the map of this world would have more than 16384 cells on a side; take a larger "
+        "resolution_m");
+  }
+  map.width_cells = static_cast<int>(std::ceil((extent.x() + 2.0 * kMargin_m) / resolution_m)) + 1;
+  map.height_cells = static_cast<int>(std::ceil((extent.y() + 2.0 * kMargin_m) / resolution_m)) + 1;
+  map.cells.assign(static_cast<std::size_t>(map.width_cells) * map.height_cells, Cell::kUnknown);
+  for (const Solid& solid : world.solids) drawSolid(solid, height_m, map);
+  const int column = static_cast<int>((world.start.x_m - map.world_from_map.x_m) / resolution_m);
+  const int row = static_cast<int>((world.start.y_m - map.world_from_map.y_m) / resolution_m);
+  if (column >= 0 && column < map.width_cells && row >= 0 && row < map.height_cells) {
+    const std::size_t start = static_cast<std::size_t>(row) * map.width_cells + column;
+    if (map.cells[start] == Cell::kUnknown) floodFill(start, map);
+  }
+  return map;
+}
+
+}  // namespace ramscout_sim

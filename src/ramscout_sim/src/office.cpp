@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_sim/office.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+#include "ramscout_sim/random.hpp"
+
+namespace ramscout_sim {
+namespace {
+
+constexpr double kWall_m = 0.15;
+constexpr double kWallHeight_m = 2.5;
+constexpr double kShortestRoom_m = 3.0;
+
+void require(bool condition, const char* parameter, double value, const char* bound) {
+  if (!condition) {
+    throw std::invalid_argument(std::string(parameter) + " must be " + bound + ", got " +
+                                std::to_string(value));
+  }
+}
+
+/// A row of rooms along x: where it is, and on which side its doors are.
+struct RoomRow {
+  double left_m = 0.0;
+  double right_m = 0.0;
+  double bottom_m = 0.0;
+  double top_m = 0.0;
+  bool doors_at_top = false;
+};
+
+class Builder {
+public:
+  explicit Builder(const OfficeParameters& parameters)
+      : parameters_(parameters),
+        random_(static_cast<std::uint64_t>(parameters.seed), Stream::kBuilding) {}
+
+  Office build() {
+    addOuterWalls();
+    const double corridor_m = parameters_.corridor_width_m;
+    const double depth_m = parameters_.room_depth_m;
+    addRoomRow({0.0, parameters_.length_m(), 0.0, depth_m, true});
+    addRoomRow({0.0, parameters_.length_m(), parameters_.depth_m() - depth_m, parameters_.depth_m(),
+                false});
+    for (int row = 0; row < parameters_.blocks_along_y; ++row) {
+      for (int column = 0; column < parameters_.blocks_along_x; ++column) {
+        const double left_m = corridor_m + column * (parameters_.block_length_m + corridor_m);
+        const double bottom_m = depth_m + corridor_m + row * (2.0 * depth_m + corridor_m);
+        addBlock(left_m, bottom_m);
+      }
+    }
+    office_.world.start = {corridorX(0), corridorY(0), 0.0};
+    office_.tour = makeTour();
+    return office_;
+  }
+
+private:
+  void addWall(double x0, double y0, double x1, double y1) {
+    office_.world.solids.push_back(makeWall({x0, y0}, {x1, y1}, kWall_m, kWallHeight_m));
+  }
+
+  void addBox(double x,
+              double y,
+              double length_x_m,
+              double length_y_m,
+              double height_m,
+              double yaw_rad = 0.0) {
+    Solid box;
+    box.world_from_solid.translate(Eigen::Vector3d(x, y, 0.5 * height_m));
+    box.world_from_solid.rotate(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
+    box.size_m = {length_x_m, length_y_m, height_m};
+    office_.world.solids.push_back(box);
+  }
+
+  void addOuterWalls() {
+    const double x = parameters_.length_m();
+    const double y = parameters_.depth_m();
+    const double overlap = 0.5 * kWall_m;
+    addWall(-overlap, 0.0, x + overlap, 0.0);
+    addWall(-overlap, y, x + overlap, y);
+    addWall(0.0, -overlap, 0.0, y + overlap);
+    addWall(x, -overlap, x, y + overlap);
+  }
+
+  /// Two rows of rooms back to back, with corridors all around.
+  void addBlock(double left_m, double bottom_m) {
+    const double right_m = left_m + parameters_.block_length_m;
+    const double middle_m = bottom_m + parameters_.room_depth_m;
+    const double top_m = middle_m + parameters_.room_depth_m;
+    const double overlap = 0.5 * kWall_m;
+    addWall(left_m, bottom_m - overlap, left_m, top_m + overlap);
+    addWall(right_m, bottom_m - overlap, right_m, top_m + overlap);
+    addWall(left_m, middle_m, right_m, middle_m);
+    addRoomRow({left_m, right_m, bottom_m, middle_m, false});
+    addRoomRow({left_m, right_m, middle_m, top_m, true});
+  }
+
+  void addRoomRow(const RoomRow& row) {
+    double left_m = row.left_m;
+    while (left_m < row.right_m - 1e-9) {
+      double right_m = left_m + random_.uniform(kShortestRoom_m, 2.0 * kShortestRoom_m);
+      if (right_m > row.right_m - kShortestRoom_m) right_m = row.right_m;
+      if (right_m < row.right_m) addWall(right_m, row.bottom_m, right_m, row.top_m);
+      addDoorWall(row, left_m, right_m);
+      furnish(row, left_m, right_m);
+      left_m = right_m;
+    }
+  }
+
+  void addDoorWall(const RoomRow& row, double left_m, double right_m) {
+    const double y = row.doors_at_top ? row.top_m : row.bottom_m;
+    const double hinge_m = random_.uniform(left_m + 0.4, right_m - 0.4 - parameters_.door_width_m);
+    const double latch_m = hinge_m + parameters_.door_width_m;
+    addWall(left_m, y, hinge_m, y);
+    addWall(latch_m, y, right_m, y);
+    if (random_.uniform() < 0.5) {  // a door leaf, open into the room
+      const double into_room = row.doors_at_top ? -0.9 : 0.9;
+      addBox(hinge_m, y + 0.5 * into_room, 0.04, std::abs(into_room), 2.0,
+             random_.uniform(-0.1, 0.1));
+    }
+  }
+
+  /// Desk, cabinet, bin and chair, away from the door.
+  void furnish(const RoomRow& row, double left_m, double right_m) {
+    const double inward = row.doors_at_top ? 1.0 : -1.0;
+    const double back_m = row.doors_at_top ? row.bottom_m : row.top_m;
+    const double free_m = right_m - left_m - kWall_m;
+    addBox(left_m + 0.5 * kWall_m + random_.uniform(0.5, free_m - 1.0), back_m + inward * 0.5, 1.2,
+           0.45, 1.2);
+    const double desk_m = left_m + random_.uniform(1.0, std::max(1.1, free_m - 1.0));
+    addBox(desk_m, back_m + inward * random_.uniform(1.8, 2.6), 1.6, 0.8, 0.74,
+           random_.uniform(-0.3, 0.3));
+    Solid bin;
+    bin.shape = Shape::kCylinder;
+    bin.size_m = {0.4, 0.4, 0.5};
+    bin.world_from_solid.translate(
+        Eigen::Vector3d(right_m - 0.5, back_m + inward * random_.uniform(1.2, 3.0), 0.25));
+    office_.world.solids.push_back(bin);
+  }
+
+  double corridorX(int column) const {
+    return 0.5 * parameters_.corridor_width_m +
+           column * (parameters_.block_length_m + parameters_.corridor_width_m);
+  }
+  double corridorY(int row) const {
+    return parameters_.room_depth_m + 0.5 * parameters_.corridor_width_m +
+           row * (2.0 * parameters_.room_depth_m + parameters_.corridor_width_m);
+  }
+
+  /// Around each block, counter-clockwise; from one row of blocks to the next along the first
+  /// column.
+  Tour makeTour() const {
+    Tour tour;
+    tour.waypoints_m.emplace_back(corridorX(0), corridorY(0));
+    const auto go = [&tour](double x, double y) { tour.waypoints_m.emplace_back(x, y); };
+    for (int row = 0; row < parameters_.blocks_along_y; ++row) {
+      for (int column = 0; column < parameters_.blocks_along_x; ++column) {
+        go(corridorX(column + 1), corridorY(row));
+        go(corridorX(column + 1), corridorY(row + 1));
+        go(corridorX(column), corridorY(row + 1));
+        go(corridorX(column), corridorY(row));
+        if (column + 1 < parameters_.blocks_along_x) go(corridorX(column + 1), corridorY(row));
+      }
+      go(corridorX(0), corridorY(row));
+      if (row + 1 < parameters_.blocks_along_y) go(corridorX(0), corridorY(row + 1));
+    }
+    tour.waypoints_m.erase(std::unique(tour.waypoints_m.begin(), tour.waypoints_m.end()),
+                           tour.waypoints_m.end());
+    return tour;
+  }
+
+  OfficeParameters parameters_;
+  Random random_;
+  Office office_;
+};
+
+void writeNumbers(std::ostream& stream, std::initializer_list<double> numbers) {
+  const char* separator = "[";
+  for (const double number : numbers) {
+    stream << separator << (std::abs(number) < 5e-7 ? 0.0 : number);
+    separator = ", ";
+  }
+  stream << ']';
+}
+
+void close(std::ofstream& stream, const std::string& path) {
+  stream.close();
+  if (!stream) throw std::runtime_error(path + ": cannot be written");
+}
+
+}  // namespace
+
+void OfficeParameters::validate() const {
+  require(seed >= 0, "seed", seed, ">= 0");
+  require(blocks_along_x >= 1 && blocks_along_x <= 1000, "blocks_along_x", blocks_along_x,
+          "1 to 1000");
+  require(blocks_along_y >= 1 && blocks_along_y <= 1000, "blocks_along_y", blocks_along_y,
+          "1 to 1000");
+  require(block_length_m >= 2.0 * kShortestRoom_m && block_length_m <= 200.0, "block_length_m",
+          block_length_m, "6 to 200");
+  require(room_depth_m >= 4.0 && room_depth_m <= 20.0, "room_depth_m", room_depth_m, "4 to 20");
+  require(corridor_width_m >= 1.2 && corridor_width_m <= 20.0, "corridor_width_m", corridor_width_m,
+          "1.2 to 20");
+  require(door_width_m >= 0.7 && door_width_m <= 1.8, "door_width_m", door_width_m, "0.7 to 1.8");
+}
+
+OfficeParameters readOfficeParameters(ram_parameters::ParameterReader& reader) {
+  OfficeParameters p;
+  reader.read("seed", p.seed);
+  reader.read("blocks_along_x", p.blocks_along_x);
+  reader.read("blocks_along_y", p.blocks_along_y);
+  reader.read("block_length_m", p.block_length_m);
+  reader.read("room_depth_m", p.room_depth_m);
+  reader.read("corridor_width_m", p.corridor_width_m);
+  reader.read("door_width_m", p.door_width_m);
+  reader.rejectUnknown();
+  p.validate();
+  return p;
+}
+
+Office generateOffice(const OfficeParameters& parameters) {
+  parameters.validate();
+  return Builder(parameters).build();
+}
+
+void writeWorldFile(const World& world, const std::string& path) {
+  std::ofstream stream(path);
+  stream.precision(7);
+  stream << "start: ";
+  writeNumbers(stream, {world.start.x_m, world.start.y_m, world.start.yaw_rad});
+  stream << "\nfloor_friction: " << world.floor_friction << "\nboxes:\n";
+  for (const Solid& solid : world.solids) {
+    if (solid.shape != Shape::kBox) continue;
+    const Eigen::Vector3d center = solid.world_from_solid.translation();
+    stream << "  - {center: ";
+    writeNumbers(stream, {center.x(), center.y(), center.z()});
+    stream << ", size: ";
+    writeNumbers(stream, {solid.size_m.x(), solid.size_m.y(), solid.size_m.z()});
+    stream << ", yaw_rad: " << toPose2(solid.world_from_solid).yaw_rad << "}\n";
+  }
+  stream << "cylinders:\n";
+  for (const Solid& solid : world.solids) {
+    if (solid.shape != Shape::kCylinder) continue;
+    const Eigen::Vector3d center = solid.world_from_solid.translation();
+    stream << "  - {center: ";
+    writeNumbers(stream, {center.x(), center.y()});
+    stream << ", radius_m: " << 0.5 * solid.size_m.x() << ", height_m: " << solid.size_m.z()
+           << ", bottom_m: " << center.z() - 0.5 * solid.size_m.z() << "}\n";
+  }
+  close(stream, path);
+}
+
+void writeTour(const Tour& tour, const std::string& path) {
+  std::ofstream stream(path);
+  stream.precision(7);
+  stream << "# Waypoints in the world frame [m], driven in this order along straight "
+            "lines.\nspeed_mps: "
+         << tour.speed_mps << "\nturn_speed_radps: " << tour.turn_speed_radps << "\nwaypoints:\n";
+  for (const Eigen::Vector2d& point : tour.waypoints_m) {
+    stream << "  - ";
+    writeNumbers(stream, {point.x(), point.y()});
+    stream << '\n';
+  }
+  close(stream, path);
+}
+
+}  // namespace ramscout_sim

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_sim/ray_caster.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include <embree3/rtcore.h>
+
+namespace ramscout_sim {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr double kLargestSagitta_m = 2e-4;  // how far a polygon may be off the circle it stands for
+constexpr double kFloorMargin_m = 100.0;
+
+/// Triangles of all solids, world axes.
+struct Mesh {
+  std::vector<Eigen::Vector3f> vertices;
+  std::vector<std::array<unsigned, 3>> triangles;
+
+  void addQuad(const std::array<Eigen::Vector3d, 4>& corners) {
+    const unsigned first = static_cast<unsigned>(vertices.size());
+    for (const Eigen::Vector3d& corner : corners) vertices.push_back(corner.cast<float>());
+    triangles.push_back({first, first + 1, first + 2});
+    triangles.push_back({first, first + 2, first + 3});
+  }
+};
+
+void addBox(const Solid& box, Mesh& mesh) {
+  const Eigen::Vector3d half = 0.5 * box.size_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+      Eigen::Vector3d u = Eigen::Vector3d::Zero();
+      Eigen::Vector3d v = Eigen::Vector3d::Zero();
+      normal[axis] = sign * half[axis];
+      u[(axis + 1) % 3] = half[(axis + 1) % 3];
+      v[(axis + 2) % 3] = half[(axis + 2) % 3];
+      mesh.addQuad(
+          {box.world_from_solid * (normal - u - v), box.world_from_solid * (normal + u - v),
+           box.world_from_solid * (normal + u + v), box.world_from_solid * (normal - u + v)});
+    }
+  }
+}
+
+/// As a prism between the inscribed and the circumscribed one.
+void addCylinder(const Solid& cylinder, Mesh& mesh) {
+  const double radius_m = 0.5 * cylinder.size_m.x();
+  const double half_height_m = 0.5 * cylinder.size_m.z();
+  const double half_angle = std::acos(1.0 - std::min(0.5, 2.0 * kLargestSagitta_m / radius_m));
+  const int sides = std::max(8, static_cast<int>(std::ceil(M_PI / half_angle)));
+  const double corner_radius_m = 2.0 * radius_m / (1.0 + std::cos(M_PI / sides));
+  const auto corner = [&](int side, double z) -> Eigen::Vector3d {
+    const double angle = 2.0 * M_PI * side / sides;
+    return cylinder.world_from_solid *
+           Eigen::Vector3d(corner_radius_m * std::cos(angle), corner_radius_m * std::sin(angle), z);
+  };
+  const Eigen::Vector3d top = cylinder.world_from_solid * Eigen::Vector3d(0.0, 0.0, half_height_m);
+  const Eigen::Vector3d bottom =
+      cylinder.world_from_solid * Eigen::Vector3d(0.0, 0.0, -half_height_m);
+  for (int side = 0; side < sides; ++side) {
+    const Eigen::Vector3d low_a = corner(side, -half_height_m);
+    const Eigen::Vector3d low_b = corner(side + 1, -half_height_m);
+    const Eigen::Vector3d high_a = corner(side, half_height_m);
+    const Eigen::Vector3d high_b = corner(side + 1, half_height_m);
+    mesh.addQuad({low_a, low_b, high_b, high_a});
+    mesh.addQuad({top, high_a, high_b, top});
+    mesh.addQuad({bottom, low_b, low_a, bottom});
+  }
+}
+
+void addSphere(const Solid& sphere, Mesh& mesh) {
+  constexpr int kBands = 64;
+  const double radius_m = 0.5 * sphere.size_m.x();
+  const auto point = [&](int band, int slice) -> Eigen::Vector3d {
+    const double polar = M_PI * band / kBands;
+    const double azimuth = M_PI * slice / kBands;
+    return sphere.world_from_solid *
+           (radius_m * Eigen::Vector3d(std::sin(polar) * std::cos(azimuth),
+                                       std::sin(polar) * std::sin(azimuth), std::cos(polar)));
+  };
+  for (int band = 0; band < kBands; ++band) {
+    for (int slice = 0; slice < 2 * kBands; ++slice) {
+      mesh.addQuad({point(band, slice), point(band + 1, slice), point(band + 1, slice + 1),
+                    point(band, slice + 1)});
+    }
+  }
+}
+
+Mesh toMesh(const World& world) {
+  Mesh mesh;
+  for (const Solid& solid : world.solids) {
+    switch (solid.shape) {
+      case Shape::kBox:
+        addBox(solid, mesh);
+        break;
+      case Shape::kCylinder:
+        addCylinder(solid, mesh);
+        break;
+      case Shape::kSphere:
+        addSphere(solid, mesh);
+        break;
+    }
+  }
+  const Eigen::AlignedBox3d bounds = boundsOf(world);
+  const Eigen::Vector3d low = bounds.min() - Eigen::Vector3d::Constant(kFloorMargin_m);
+  const Eigen::Vector3d high = bounds.max() + Eigen::Vector3d::Constant(kFloorMargin_m);
+  mesh.addQuad({Eigen::Vector3d(low.x(), low.y(), 0.0), Eigen::Vector3d(high.x(), low.y(), 0.0),
+                Eigen::Vector3d(high.x(), high.y(), 0.0), Eigen::Vector3d(low.x(), high.y(), 0.0)});
+  return mesh;
+}
+
+}  // namespace
+
+class RayCaster::Implementation {
+public:
+  explicit Implementation(const World& world) {
+    device_ = rtcNewDevice("threads=1,max_isa=avx2");
+    if (!device_)
+      throw std::runtime_error("Embree could not be started, error " +
+                               std::to_string(rtcGetDeviceError(nullptr)));
+    scene_ = rtcNewScene(device_);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+    attach(toMesh(world));
+    rtcCommitScene(scene_);
+    const RTCError error = rtcGetDeviceError(device_);
+    if (error != RTC_ERROR_NONE)
+      throw std::runtime_error("Embree could not build the scene, error " + std::to_string(error));
+  }
+  ~Implementation() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  std::vector<float> cast(const std::vector<Ray>& rays) const {
+    constexpr std::size_t kPacket = 16;
+    std::vector<float> distances_m(rays.size());
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    alignas(64) RTCRayHit16 packet;
+    alignas(64) std::array<int, kPacket> valid;
+    for (std::size_t first = 0; first < rays.size(); first += kPacket) {
+      const std::size_t count = std::min(kPacket, rays.size() - first);
+      for (std::size_t i = 0; i < kPacket; ++i) {
+        valid[i] = i < count ? -1 : 0;
+        const Ray& ray = rays[first + std::min(i, count - 1)];
+        packet.ray.org_x[i] = ray.origin_m.x();
+        packet.ray.org_y[i] = ray.origin_m.y();
+        packet.ray.org_z[i] = ray.origin_m.z();
+        packet.ray.dir_x[i] = ray.direction.x();
+        packet.ray.dir_y[i] = ray.direction.y();
+        packet.ray.dir_z[i] = ray.direction.z();
+        packet.ray.tnear[i] = 0.0F;
+        packet.ray.tfar[i] = kInfinity;
+        packet.ray.time[i] = 0.0F;
+        packet.ray.mask[i] = ~0U;
+        packet.ray.flags[i] = 0;
+        packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+      }
+      rtcIntersect16(valid.data(), scene_, &context, &packet);
+      std::copy_n(packet.ray.tfar, count, distances_m.begin() + static_cast<std::ptrdiff_t>(first));
+    }
+    return distances_m;
+  }
+
+private:
+  void attach(const Mesh& mesh) {
+    const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                3 * sizeof(float), mesh.vertices.size()));
+    auto* indices = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(unsigned), mesh.triangles.size()));
+    if (!vertices || !indices)
+      throw std::runtime_error("Embree has no memory for the world's triangles");
+    for (const Eigen::Vector3f& vertex : mesh.vertices)
+      vertices = std::copy_n(vertex.data(), 3, vertices);
+    for (const auto& triangle : mesh.triangles) indices = std::copy_n(triangle.data(), 3, indices);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+  }
+
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+};
+
+RayCaster::RayCaster(const World& world)
+    : implementation_(std::make_unique<Implementation>(world)) {}
+RayCaster::~RayCaster() = default;
+RayCaster::RayCaster(RayCaster&&) noexcept = default;
+RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
+std::vector<float> RayCaster::cast(const std::vector<Ray>& rays) const {
+  return implementation_->cast(rays);
+}
+
+}  // namespace ramscout_sim

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_sim/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace ramscout_sim {
+namespace {
+
+void require(bool condition, const std::string& parameter, double value, const char* bound) {
+  if (!condition) {
+    throw std::invalid_argument(parameter + " must be " + bound + ", got " + std::to_string(value));
+  }
+}
+
+double approach(double value, double target, double largest_change) {
+  return value + std::clamp(target - value, -largest_change, largest_change);
+}
+
+/// When the n-th of a series with the given rate is due.
+std::int64_t dueAt_ns(std::uint64_t index, double rate_hz) {
+  return Simulation::kStart_ns + std::llround(static_cast<double>(index) / rate_hz * 1e9);
+}
+
+}  // namespace
+
+void DriveParameters::validate() const {
+  require(max_speed_mps > 0.0, "drive.max_speed_mps", max_speed_mps, "> 0");
+  require(max_turn_speed_radps > 0.0, "drive.max_turn_speed_radps", max_turn_speed_radps, "> 0");
+  require(max_acceleration_mps2 > 0.0, "drive.max_acceleration_mps2", max_acceleration_mps2, "> 0");
+  require(max_turn_acceleration_radps2 > 0.0, "drive.max_turn_acceleration_radps2",
+          max_turn_acceleration_radps2, "> 0");
+  require(command_timeout_s > 0.0, "drive.command_timeout_s", command_timeout_s, "> 0");
+}
+
+void SimulationParameters::validate() const {
+  require(seed >= 0, "seed", seed, ">= 0");
+  require(physics_rate_hz >= 100.0 && physics_rate_hz <= 10000.0, "physics_rate_hz",
+          physics_rate_hz, "in [100, 10000]");
+  require(odometry_rate_hz > 0.0 && odometry_rate_hz <= physics_rate_hz, "odometry_rate_hz",
+          odometry_rate_hz, "in (0, physics_rate_hz]");
+  drive.validate();
+  odometry.validate();
+  lidar.validate();
+}
+
+SimulationParameters readSimulationParameters(ram_parameters::ParameterReader& reader) {
+  SimulationParameters p;
+  reader.read("seed", p.seed);
+  reader.read("physics_rate_hz", p.physics_rate_hz);
+  reader.read("odometry_rate_hz", p.odometry_rate_hz);
+  ram_parameters::ParameterReader drive = reader.section("drive");
+  drive.read("max_speed_mps", p.drive.max_speed_mps);
+  drive.read("max_turn_speed_radps", p.drive.max_turn_speed_radps);
+  drive.read("max_acceleration_mps2", p.drive.max_acceleration_mps2);
+  drive.read("max_turn_acceleration_radps2", p.drive.max_turn_acceleration_radps2);
+  drive.read("command_timeout_s", p.drive.command_timeout_s);
+  drive.rejectUnknown();
+  ram_parameters::ParameterReader odometry = reader.section("odometry");
+  p.odometry = readOdometryParameters(odometry);
+  ram_parameters::ParameterReader lidar = reader.section("lidar");
+  p.lidar = readLidarParameters(lidar);
+  p.validate();
+  return p;
+}
+
+Simulation::Simulation(const SimulationParameters& parameters,
+                       const RobotDescription& robot,
+                       const World& world,
+                       const std::optional<Tour>& tour)
+    : parameters_((parameters.validate(), parameters)),
+      robot_(robot),
+      ray_caster_(world),
+      physics_(withTrueGeometry(robot, parameters.odometry), world, world.start),
+      odometry_(robot, parameters.odometry, static_cast<std::uint64_t>(parameters.seed)),
+      lidar_(parameters.lidar, static_cast<std::uint64_t>(parameters.seed)) {
+  if (tour) driver_.emplace(*tour);
+  rememberPose();
+}
+
+void Simulation::command(const Twist2& twist) {
+  commanded_at_ns_ = now_ns_;
+  commanded_ = {};
+  if (!std::isfinite(twist.forward_mps) || !std::isfinite(twist.turn_radps)) {
+    throw std::invalid_argument("a velocity command that is not finite: the robot stops");
+  }
+  commanded_ = twist;
+}
+
+Twist2 Simulation::wantedTwist() {
+  const DriveParameters& limits = parameters_.drive;
+  Twist2 wanted;
+  if (driver_) {
+    wanted = driver_->drive(toPose2(physics_.worldFromBase()));
+  } else if (now_ns_ - commanded_at_ns_ <= std::llround(limits.command_timeout_s * 1e9)) {
+    wanted = commanded_;
+  }
+  wanted.forward_mps = std::clamp(wanted.forward_mps, -limits.max_speed_mps, limits.max_speed_mps);
+  wanted.turn_radps =
+      std::clamp(wanted.turn_radps, -limits.max_turn_speed_radps, limits.max_turn_speed_radps);
+  return wanted;
+}
+
+WheelPair Simulation::wheelCommand(double duration_s) {
+  const DriveParameters& limits = parameters_.drive;
+  const Twist2 wanted = wantedTwist();
+  setpoint_.forward_mps = approach(setpoint_.forward_mps, wanted.forward_mps,
+                                   limits.max_acceleration_mps2 * duration_s);
+  setpoint_.turn_radps = approach(setpoint_.turn_radps, wanted.turn_radps,
+                                  limits.max_turn_acceleration_radps2 * duration_s);
+  const double turn_mps = 0.5 * robot_.trackWidth_m() * setpoint_.turn_radps;
+  return {(setpoint_.forward_mps - turn_mps) / robot_.left.radius_m,
+          (setpoint_.forward_mps + turn_mps) / robot_.right.radius_m};
+}
+
+Outputs Simulation::step() {
+  Outputs outputs;
+  if (steps_ == 0 && odometry_count_ == 0) {
+    outputs.odometry = odometry_.update(now_ns_, physics_.wheelAngles_rad());
+    outputs.ground_truth = groundTruth();
+    ++odometry_count_;
+    return outputs;
+  }
+  ++steps_;
+  const std::int64_t next_ns =
+      kStart_ns + std::llround(static_cast<double>(steps_) / parameters_.physics_rate_hz * 1e9);
+  const double duration_s = 1.0 / parameters_.physics_rate_hz;
+  physics_.step(duration_s, wheelCommand(duration_s));
+  now_ns_ = next_ns;
+  rememberPose();
+  if (now_ns_ >= dueAt_ns(odometry_count_, parameters_.odometry_rate_hz)) {
+    outputs.odometry = odometry_.update(now_ns_, physics_.wheelAngles_rad());
+    outputs.ground_truth = groundTruth();
+    ++odometry_count_;
+  }
+  outputs.scan = scanIfDue();
+  return outputs;
+}
+
+void Simulation::rememberPose() {
+  recent_path_.stamps_ns.push_back(now_ns_);
+  recent_path_.world_from_laser.push_back(physics_.worldFromBase() * robot_.base_from_laser);
+}
+
+std::optional<Scan> Simulation::scanIfDue() {
+  const std::int64_t stamp_ns = dueAt_ns(scan_count_, parameters_.lidar.scan_rate_hz);
+  if (now_ns_ < stamp_ns + std::llround(parameters_.lidar.sweep_s() * 1e9)) return std::nullopt;
+  const Scan scan = lidar_.measure(stamp_ns, scan_count_, recent_path_, ray_caster_);
+  ++scan_count_;
+  // Keep one sample at or before the next scan's start.
+  const std::int64_t next_ns = dueAt_ns(scan_count_, parameters_.lidar.scan_rate_hz);
+  const auto after =
+      std::upper_bound(recent_path_.stamps_ns.begin(), recent_path_.stamps_ns.end(), next_ns);
+  const std::ptrdiff_t obsolete =
+      std::max<std::ptrdiff_t>(0, after - recent_path_.stamps_ns.begin() - 1);
+  recent_path_.stamps_ns.erase(recent_path_.stamps_ns.begin(),
+                               recent_path_.stamps_ns.begin() + obsolete);
+  recent_path_.world_from_laser.erase(recent_path_.world_from_laser.begin(),
+                                      recent_path_.world_from_laser.begin() + obsolete);
+  return scan;
+}
+
+void Simulation::setPose(const Pose2& world_from_base) {
+  physics_.setPose(world_from_base);
+  setpoint_ = {};
+  commanded_ = {};
+}
+
+GroundTruth Simulation::groundTruth() const {
+  GroundTruth truth;
+  truth.stamp_ns = now_ns_;
+  truth.world_from_base = physics_.worldFromBase();
+  const Eigen::Matrix3d base_from_world = truth.world_from_base.linear().transpose();
+  truth.linear_velocity_mps = base_from_world * physics_.linearVelocity_mps();
+  truth.angular_velocity_radps = base_from_world * physics_.angularVelocity_radps();
+  return truth;
+}
+
+}  // namespace ramscout_sim

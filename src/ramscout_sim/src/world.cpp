@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_sim/world.hpp"
+
+namespace ramscout_sim {
+
+Solid makeWall(const Eigen::Vector2d& begin_m,
+               const Eigen::Vector2d& end_m,
+               double thickness_m,
+               double height_m) {
+  const Eigen::Vector2d along = end_m - begin_m;
+  const Eigen::Vector2d middle = 0.5 * (begin_m + end_m);
+  Solid wall;
+  wall.world_from_solid.translate(Eigen::Vector3d(middle.x(), middle.y(), 0.5 * height_m));
+  wall.world_from_solid.rotate(
+      Eigen::AngleAxisd(std::atan2(along.y(), along.x()), Eigen::Vector3d::UnitZ()));
+  wall.size_m = {along.norm(), thickness_m, height_m};
+  return wall;
+}
+
+Eigen::AlignedBox3d boundsOf(const World& world) {
+  if (world.solids.empty())
+    return {Eigen::Vector3d::Constant(-0.5), Eigen::Vector3d::Constant(0.5)};
+  Eigen::AlignedBox3d bounds;
+  for (const Solid& solid : world.solids) {
+    const Eigen::AlignedBox3d own(-0.5 * solid.size_m, 0.5 * solid.size_m);
+    for (int corner = 0; corner < 8; ++corner) {
+      bounds.extend(solid.world_from_solid *
+                    own.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+    }
+  }
+  return bounds;
+}
+
+}  // namespace ramscout_sim
