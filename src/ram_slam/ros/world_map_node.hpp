@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <nav_msgs/OccupancyGrid.h>
+#include <nav_msgs/Path.h>
+#include <ram_slam_msgs/ColoredCloud.h>
+#include <ram_slam_msgs/GetRegion.h>
+#include <ram_slam_msgs/LandmarkMap.h>
+#include <ram_slam_msgs/LoadMap.h>
+#include <ram_slam_msgs/LocalOccupancy.h>
+#include <ram_slam_msgs/SaveMap.h>
+#include <ros/ros.h>
+
+#include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/world_map/world_map.hpp"
+
+namespace ram_slam_ros {
+
+struct WorldMapNodeParameters {
+  /// Frame of everything that is stored; what comes in another one is refused.
+  std::string map_frame = "map";
+  /// Where maps are saved and loaded; a leading ~ is the home folder.
+  std::string map_folder = "~/.ros/maps";
+
+  /// \throws std::invalid_argument naming the parameter that is empty
+  void validate() const;
+};
+
+/// \throws std::invalid_argument for an unknown key, a wrong type or a value out of range
+WorldMapNodeParameters readWorldMapNodeParameters(ram_parameters::ParameterReader& reader);
+
+/// Keeps `map`, `local_occupancy`, `landmarks`, `colored_cloud` and `trajectory` as they come;
+/// answers ~get_region, ~save_map and ~load_map. Files are written and read while messages go on
+/// being taken.
+class WorldMapNode {
+public:
+  /// \throws std::invalid_argument if a parameter is refused
+  explicit WorldMapNode(ram_parameters::ParameterReader& reader);
+
+private:
+  /// Takes one part, already converted; says why not if it is refused.
+  template <typename Message, typename Convert>
+  void store(const Message& message, const Convert& convert);
+  bool onGetRegion(ram_slam_msgs::GetRegion::Request& request,
+                   ram_slam_msgs::GetRegion::Response& response);
+  bool onSaveMap(ram_slam_msgs::SaveMap::Request& request,
+                 ram_slam_msgs::SaveMap::Response& response);
+  bool onLoadMap(ram_slam_msgs::LoadMap::Request& request,
+                 ram_slam_msgs::LoadMap::Response& response);
+  std::string pathOf(const std::string& name) const;
+  ram_slam::WorldMap snapshot();
+
+  WorldMapNodeParameters parameters_;
+  std::mutex map_mutex_;
+  ram_slam::WorldMap map_;
+  std::mutex file_mutex_;  ///< one file at a time
+
+  ros::NodeHandle node_;
+  std::vector<ros::ServiceServer> services_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+}  // namespace ram_slam_ros

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/world_map/world_map_file.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "binary_stream.hpp"
+
+namespace ram_slam {
+namespace {
+
+const std::string kMagic = "RAMWORLD";
+constexpr std::uint32_t kVersion = 1;
+/// Magic, version, length, checksum.
+constexpr std::size_t kHeaderSize = 8 + 4 + 8 + 8;
+/// Fewest bytes that an element takes: its count cannot be larger than the rest of the file allows.
+constexpr std::size_t kPoseSize = 8 * (3 + 4 + 36);
+constexpr std::size_t kOccupancySize = 8 + 8 + kPoseSize + 8 * 4 + 2 * 4 + 8;
+constexpr std::size_t kLandmarkSize = 4 + 8 + 8 + 8 + kPoseSize + 8;
+constexpr std::size_t kBlockSize = 4 + 4 + 9 * 8;
+constexpr std::size_t kCloudSize = 8 + 8 + kPoseSize + 8;
+constexpr std::size_t kPointSize = 4 * 4;
+constexpr std::size_t kStampedPoseSize = 4 * 8;
+
+std::uint64_t checksum(const std::string& bytes, std::size_t start) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (std::size_t i = start; i < bytes.size(); ++i) {
+    hash = (hash ^ static_cast<unsigned char>(bytes[i])) * 0x100000001b3ULL;
+  }
+  return hash;
+}
+
+void write(BinaryWriter& writer, const SpatialPose& pose) {
+  writer.write(pose.position_m);
+  writer.write(pose.orientation.coeffs());
+  writer.write(pose.covariance);
+}
+
+SpatialPose readPose(BinaryReader& reader) {
+  SpatialPose pose;
+  pose.position_m = reader.readMatrix<Eigen::Vector3d>();
+  pose.orientation.coeffs() = reader.readMatrix<Eigen::Vector4d>();
+  pose.covariance = reader.readMatrix<Eigen::Matrix<double, 6, 6>>();
+  return pose;
+}
+
+void write(BinaryWriter& writer, const Pose2& pose) {
+  writer.write(pose.x_m);
+  writer.write(pose.y_m);
+  writer.write(pose.yaw_rad);
+}
+
+Pose2 readPose2(BinaryReader& reader) {
+  Pose2 pose;
+  pose.x_m = reader.read<double>();
+  pose.y_m = reader.read<double>();
+  pose.yaw_rad = reader.read<double>();
+  return pose;
+}
+
+void write(BinaryWriter& writer, const LocalOccupancy& occupancy) {
+  writer.write(occupancy.stamp_ns);
+  writer.write(occupancy.frame);
+  write(writer, occupancy.map_from_frame);
+  writer.write(occupancy.grid.resolution_m);
+  write(writer, occupancy.grid.map_from_grid);
+  writer.write(std::int32_t{occupancy.grid.width});
+  writer.write(std::int32_t{occupancy.grid.height});
+  writer.write(static_cast<std::uint64_t>(occupancy.grid.cells.size()));
+  for (const std::int8_t cell : occupancy.grid.cells) writer.write(cell);
+}
+
+LocalOccupancy readOccupancy(BinaryReader& reader) {
+  LocalOccupancy occupancy;
+  occupancy.stamp_ns = reader.read<std::int64_t>();
+  occupancy.frame = reader.readText();
+  occupancy.map_from_frame = readPose(reader);
+  occupancy.grid.resolution_m = reader.read<double>();
+  occupancy.grid.map_from_grid = readPose2(reader);
+  occupancy.grid.width = reader.read<std::int32_t>();
+  occupancy.grid.height = reader.read<std::int32_t>();
+  occupancy.grid.cells.resize(reader.readCount(1));
+  for (std::int8_t& cell : occupancy.grid.cells) cell = reader.read<std::int8_t>();
+  return occupancy;
+}
+
+void write(BinaryWriter& writer, const LandmarkLayer& layer) {
+  writer.write(layer.stamp_ns);
+  writer.write(static_cast<std::uint64_t>(layer.landmarks.size()));
+  for (const WorldLandmark& landmark : layer.landmarks) {
+    writer.write(landmark.id);
+    writer.write(landmark.stamp_ns);
+    writer.write(landmark.type);
+    writer.write(landmark.classifier);
+    write(writer, landmark.pose);
+    writer.write(landmark.existence_log_odds);
+  }
+  writer.write(static_cast<std::uint64_t>(layer.cross_covariances.size()));
+  for (const LandmarkCrossCovariance& block : layer.cross_covariances) {
+    writer.write(block.first_id);
+    writer.write(block.second_id);
+    writer.write(block.covariance_m2);
+  }
+}
+
+LandmarkLayer readLandmarks(BinaryReader& reader) {
+  LandmarkLayer layer;
+  layer.stamp_ns = reader.read<std::int64_t>();
+  layer.landmarks.resize(reader.readCount(kLandmarkSize));
+  for (WorldLandmark& landmark : layer.landmarks) {
+    landmark.id = reader.read<std::uint32_t>();
+    landmark.stamp_ns = reader.read<std::int64_t>();
+    landmark.type = reader.readText();
+    landmark.classifier = reader.readText();
+    landmark.pose = readPose(reader);
+    landmark.existence_log_odds = reader.read<double>();
+  }
+  layer.cross_covariances.resize(reader.readCount(kBlockSize));
+  for (LandmarkCrossCovariance& block : layer.cross_covariances) {
+    block.first_id = reader.read<std::uint32_t>();
+    block.second_id = reader.read<std::uint32_t>();
+    block.covariance_m2 = reader.readMatrix<Eigen::Matrix3d>();
+  }
+  return layer;
+}
+
+void write(BinaryWriter& writer, const ColoredCloud& cloud) {
+  writer.write(cloud.stamp_ns);
+  writer.write(cloud.frame);
+  write(writer, cloud.map_from_frame);
+  writer.write(static_cast<std::uint64_t>(cloud.points.size()));
+  for (const ColoredPoint& point : cloud.points) {
+    writer.write(point.x_m);
+    writer.write(point.y_m);
+    writer.write(point.z_m);
+    writer.write(point.rgb);
+  }
+}
+
+ColoredCloud readCloud(BinaryReader& reader) {
+  ColoredCloud cloud;
+  cloud.stamp_ns = reader.read<std::int64_t>();
+  cloud.frame = reader.readText();
+  cloud.map_from_frame = readPose(reader);
+  cloud.points.resize(reader.readCount(kPointSize));
+  for (ColoredPoint& point : cloud.points) {
+    point.x_m = reader.read<float>();
+    point.y_m = reader.read<float>();
+    point.z_m = reader.read<float>();
+    point.rgb = reader.read<std::uint32_t>();
+  }
+  return cloud;
+}
+
+void write(BinaryWriter& writer, const Trajectory& trajectory) {
+  writer.write(static_cast<std::uint64_t>(trajectory.size()));
+  for (const StampedPose2& pose : trajectory) {
+    writer.write(pose.stamp_ns);
+    write(writer, pose.pose);
+  }
+}
+
+Trajectory readTrajectory(BinaryReader& reader) {
+  Trajectory trajectory(reader.readCount(kStampedPoseSize));
+  for (StampedPose2& pose : trajectory) {
+    pose.stamp_ns = reader.read<std::int64_t>();
+    pose.pose = readPose2(reader);
+  }
+  return trajectory;
+}
+
+/// Checks the header; the reader stands at the content afterwards.
+void checkHeader(const std::string& bytes, BinaryReader& reader) {
+  if (bytes.compare(0, kMagic.size(), kMagic) != 0)
+    throw std::runtime_error("it is not a world map");
+  if (const auto version = reader.read<std::uint32_t>(); version != kVersion) {
+    throw std::runtime_error("its format is version " + std::to_string(version) + ", not " +
+                             std::to_string(kVersion));
+  }
+  if (const auto size = reader.read<std::uint64_t>();
+      size != bytes.size() - std::min(bytes.size(), kHeaderSize)) {
+    throw std::runtime_error("it is cut short or has something behind its end");
+  }
+  if (reader.read<std::uint64_t>() != checksum(bytes, kHeaderSize))
+    throw std::runtime_error("it is damaged");
+}
+
+}  // namespace
+
+std::string toBytes(const WorldMap& map) {
+  BinaryWriter content;
+  content.write(static_cast<std::uint64_t>(map.occupancies().size()));
+  for (const auto& entry : map.occupancies()) write(content, *entry.second);
+  write(content, map.landmarks());
+  content.write(static_cast<std::uint64_t>(map.clouds().size()));
+  for (const auto& entry : map.clouds()) write(content, *entry.second);
+  write(content, map.trajectory());
+
+  BinaryWriter header;
+  header.write(kVersion);
+  header.write(static_cast<std::uint64_t>(content.bytes().size()));
+  header.write(checksum(content.bytes(), 0));
+  return kMagic + header.bytes() + content.bytes();
+}
+
+WorldMap worldMapFromBytes(const std::string& bytes) {
+  BinaryReader reader(bytes, std::min(bytes.size(), kMagic.size()));
+  checkHeader(bytes, reader);
+  try {
+    WorldMap map;
+    for (std::size_t left = reader.readCount(kOccupancySize); left > 0; --left)
+      map.put(readOccupancy(reader));
+    map.put(readLandmarks(reader));
+    for (std::size_t left = reader.readCount(kCloudSize); left > 0; --left)
+      map.put(readCloud(reader));
+    map.put(readTrajectory(reader));
+    if (!reader.atEnd()) throw std::runtime_error("it has something behind its end");
+    return map;
+  } catch (const std::logic_error& error) {  // what WorldMap refuses
+    throw std::runtime_error(std::string("its content is wrong: ") + error.what());
+  }
+}
+
+}  // namespace ram_slam
