@@ -34,6 +34,8 @@ struct Options {
   std::string input;
   std::string output;
   std::string config;
+  bool wheels_only = false;
+  bool no_smoothing = false;
   ramscout_bringup_ros::BagSelection bag;
 };
 
@@ -73,7 +75,9 @@ nlohmann::ordered_json cost(double recorded_s) {
 }
 
 void run(const Options& options) {
-  const auto parameters = ramscout_bringup::readSlamParameters(options.config);
+  auto parameters = ramscout_bringup::readSlamParameters(options.config);
+  parameters.use_laser_odometry = !options.wheels_only;
+  parameters.use_map_smoother = !options.no_smoothing;
   ramscout_bringup::SlamPipeline pipeline(parameters);
   const auto recording = open(options);
   feed(*recording, pipeline);
@@ -99,7 +103,8 @@ int main(int argc, char** argv) {
   app.add_option("input", options.input, "ROS bag (.bag) or CARMEN log (.clf, .log, also .gz, .xz)")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option("--output", options.output, "folder to write to, made if missing")->capture_default_str();
+  app.add_option("--output", options.output, "folder to write to, made if missing")
+      ->capture_default_str();
   app.add_option("--config", options.config,
                  "folder with the nodes' parameter files; default: the installed one")
       ->check(CLI::ExistingDirectory);
@@ -107,8 +112,14 @@ int main(int argc, char** argv) {
                  "default: the bag's topic called scan, or its only one");
   app.add_option("--odom-topic", options.bag.odometry_topic,
                  "default: the bag's topic called odom, or tf");
-  app.add_option("--odom-frame", options.bag.odom_frame, "parent of base-frame on tf")->capture_default_str();
-  app.add_option("--base-frame", options.bag.base_frame, "the robot's frame")->capture_default_str();
+  app.add_option("--odom-frame", options.bag.odom_frame, "parent of base-frame on tf")
+      ->capture_default_str();
+  app.add_option("--base-frame", options.bag.base_frame, "the robot's frame")
+      ->capture_default_str();
+  app.add_flag("--wheels-only", options.wheels_only,
+               "no laser odometry: the wheels' odometry as it is, no smoothing");
+  app.add_flag("--no-smoothing", options.no_smoothing,
+               "the final trajectory is the estimator's own");
   CLI11_PARSE(app, argc, argv);
   std::signal(SIGINT, requestStop);
   try {

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_bringup/slam_pipeline.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <memory>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +17,9 @@ namespace ramscout_bringup {
 namespace {
 
 using ram_slam::Pose2;
+
+constexpr std::size_t kKeptReadings = 1000;    // of the wheels: some seconds
+constexpr std::size_t kMaxWaitingScans = 100;  // for odometry that may never come
 
 template <typename Read>
 auto readFile(const std::string& folder, const std::string& node, const Read& read) {
@@ -30,47 +37,86 @@ std::vector<MapLandmark> toMapLandmarks(const ram_slam::LandmarkMap& map) {
   return landmarks;
 }
 
+/// Moves each landmark with the pose of the old path that is nearest to it.
+void moveLandmarks(std::vector<MapLandmark>& landmarks,
+                   const Trajectory& path,
+                   const Trajectory& corrected) {
+  for (MapLandmark& landmark : landmarks) {
+    const auto nearest =
+        std::min_element(path.begin(), path.end(), [&](const auto& a, const auto& b) {
+          return (a.pose.translation() - landmark.position_m).squaredNorm() <
+                 (b.pose.translation() - landmark.position_m).squaredNorm();
+        });
+    if (nearest == path.end()) return;
+    const std::optional<Pose2> moved = ram_slam::poseAt(corrected, nearest->stamp_ns);
+    if (!moved) continue;
+    const Pose2 corrected_from_map = *moved * nearest->pose.inverse();
+    landmark.position_m = corrected_from_map * landmark.position_m;
+    landmark.covariance_m2 = corrected_from_map.rotation() * landmark.covariance_m2 *
+                             corrected_from_map.rotation().transpose();
+  }
+}
+
 }  // namespace
 
 SlamParameters readSlamParameters(const std::string& folder) {
-  return {readFile(folder, "feature_detector",
-                   ramscout_feature_detector::readFeatureDetectorParameters),
-          readFile(folder, "kinematics", ramscout_kinematics::readKinematicsParameters),
-          readFile(folder, "fast_slam", ram_slam::readFastSlamParameters),
-          readFile(folder, "occupancy_mapper", ram_slam::readOccupancyMapperParameters)};
+  SlamParameters parameters;
+  parameters.laser_odometry =
+      readFile(folder, "laser_odometry", ram_slam::readLaserOdometryParameters);
+  parameters.feature_detector = readFile(folder, "feature_detector",
+                                         ramscout_feature_detector::readFeatureDetectorParameters);
+  parameters.kinematics =
+      readFile(folder, "kinematics", ramscout_kinematics::readKinematicsParameters);
+  parameters.fast_slam = readFile(folder, "fast_slam", ram_slam::readFastSlamParameters);
+  parameters.map_smoother = readFile(folder, "map_smoother", ram_slam::readMapSmootherParameters);
+  parameters.occupancy_mapper =
+      readFile(folder, "occupancy_mapper", ram_slam::readOccupancyMapperParameters);
+  return parameters;
 }
 
 SlamPipeline::SlamPipeline(const SlamParameters& parameters)
     : parameters_(parameters),
+      laser_odometry_(parameters.laser_odometry),
       feature_detector_(parameters.feature_detector),
       kinematics_(parameters.kinematics),
       fast_slam_(parameters.fast_slam,
                  {{ramscout_feature_detector::kCornerType,
-                   std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}) {}
+                   std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}),
+      map_smoother_(parameters.map_smoother) {}
 
 void SlamPipeline::add(const OdometryReading& reading) {
-  try {
-    kinematics_.add({reading.stamp_ns, reading.odom_from_base});
-    odometry_ns_ = reading.stamp_ns;
-  } catch (const std::exception& error) {
-    leaveOut(error.what());
+  if (!wheels_.empty() && reading.stamp_ns <= wheels_.back().stamp_ns) {
+    leaveOut("odometry with the stamp of another");
+    return;
   }
-  while (!waiting_.empty() && odometry_ns_ && waiting_.front().stampNs() <= *odometry_ns_) {
+  wheels_.push_back(reading);
+  while (wheels_.size() > kKeptReadings) wheels_.pop_front();
+  if (!parameters_.use_laser_odometry) feedKinematics(reading.stamp_ns, reading.odom_from_base);
+  while (!waiting_.empty() && waiting_.front().stampNs() <= reading.stamp_ns) {
     process(waiting_.front());
     waiting_.pop_front();
   }
 }
 
 void SlamPipeline::add(ScanReading reading) {
-  if (odometry_ns_ && reading.stampNs() <= *odometry_ns_) {
-    process(reading);
-  } else {
-    waiting_.push_back(std::move(reading));
+  const bool reached = !wheels_.empty() && reading.stampNs() <= wheels_.back().stamp_ns;
+  waiting_.push_back(std::move(reading));
+  if (!reached && waiting_.size() <= kMaxWaitingScans) return;
+  process(waiting_.front());
+  waiting_.pop_front();
+}
+
+void SlamPipeline::feedKinematics(std::int64_t stamp_ns, const Pose2& odom_from_base) {
+  try {
+    kinematics_.add({stamp_ns, odom_from_base});
+  } catch (const std::exception& error) {
+    leaveOut(error.what());
   }
 }
 
 void SlamPipeline::process(const ScanReading& reading) {
   try {
+    if (parameters_.use_laser_odometry) refineOdometry(reading);
     const ram_slam::FeatureList features =
         feature_detector_.detect(reading.scan, reading.base_from_laser);
     const ram_slam::LaserView view(reading.scan, reading.base_from_laser);
@@ -81,6 +127,43 @@ void SlamPipeline::process(const ScanReading& reading) {
     if (isKeyScan(map_from_base * reading.base_from_laser)) key_scans_.push_back(reading);
   } catch (const std::exception& error) {
     leaveOut(error.what());
+  }
+}
+
+void SlamPipeline::refineOdometry(const ScanReading& reading) {
+  const ram_slam::LaserOdometryEstimate estimate =
+      laser_odometry_.update(reading.scan, reading.base_from_laser, wheelsAt(reading.stampNs()));
+  slip_count_ += estimate.wheels_slipped ? 1 : 0;
+  feedKinematics(reading.stampNs(), estimate.odom_from_base.pose);
+  if (parameters_.use_map_smoother) {
+    map_smoother_.addScan(reading.scan, reading.base_from_laser, estimate.odom_from_base.pose);
+  }
+}
+
+std::optional<Pose2> SlamPipeline::wheelsAt(std::int64_t stamp_ns) const {
+  const auto after =
+      std::find_if(wheels_.begin(), wheels_.end(),
+                   [&](const OdometryReading& reading) { return reading.stamp_ns >= stamp_ns; });
+  if (wheels_.empty() || (after == wheels_.begin() && after->stamp_ns != stamp_ns))
+    return std::nullopt;
+  if (after == wheels_.end()) return wheels_.back().odom_from_base;
+  if (after->stamp_ns == stamp_ns) return after->odom_from_base;
+  const auto before = std::prev(after);
+  const double fraction = static_cast<double>(stamp_ns - before->stamp_ns) /
+                          static_cast<double>(after->stamp_ns - before->stamp_ns);
+  return interpolate(before->odom_from_base, after->odom_from_base, fraction);
+}
+
+void SlamPipeline::smooth(Results& results) {
+  map_smoother_.optimize();
+  const Trajectory corrected = map_smoother_.trajectory();
+  moveLandmarks(results.landmarks, results.trajectory, corrected);
+  results.trajectory = corrected;
+  std::ostringstream graph;
+  ram_slam::writeG2o(map_smoother_.graph(), graph);
+  results.pose_graph_g2o = graph.str();
+  for (const ram_slam::LoopClosure& closure : map_smoother_.closures()) {
+    loop_closures_ += closure.state == ram_slam::ClosureState::kAccepted ? 1 : 0;
   }
 }
 
@@ -108,6 +191,7 @@ Results SlamPipeline::finish() {
   results.trajectory_online = online_;
   results.trajectory = fast_slam_.trajectory();
   results.landmarks = toMapLandmarks(fast_slam_.landmarks());
+  if (parameters_.use_laser_odometry && parameters_.use_map_smoother) smooth(results);
   results.map = renderMap(results.trajectory);
   nlohmann::ordered_json left_out = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : left_out_) left_out[reason] = count;
@@ -119,6 +203,8 @@ Results SlamPipeline::finish() {
       {"features_per_scan",
        static_cast<double>(feature_count_) / static_cast<double>(online_.size())},
       {"landmarks", results.landmarks.size()},
+      {"loop_closures", loop_closures_},
+      {"scans_with_wheel_slip", slip_count_},
       {"key_scans", key_scans_.size()},
       {"left_out", left_out}};
   return results;

@@ -10,6 +10,8 @@
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
+#include "ram_slam/scan_matching/laser_odometry.hpp"
+#include "ram_slam/smoothing/map_smoother.hpp"
 #include "ramscout_bringup/recording.hpp"
 #include "ramscout_bringup/results.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
@@ -17,12 +19,16 @@
 
 namespace ramscout_bringup {
 
-/// Parameters of all cores, as the nodes read them.
+/// Parameters of all cores, as the nodes read them, and which of the optional cores take part.
 struct SlamParameters {
+  ram_slam::LaserOdometryParameters laser_odometry;
   ramscout_feature_detector::FeatureDetectorParameters feature_detector;
   ramscout_kinematics::KinematicsParameters kinematics;
   ram_slam::FastSlamParameters fast_slam;
+  ram_slam::MapSmootherParameters map_smoother;
   ram_slam::OccupancyMapperParameters occupancy_mapper;
+  bool use_laser_odometry = true;  ///< off: the kinematic model is fed by the wheels as they are
+  bool use_map_smoother = true;    ///< off: the final trajectory is the estimator's best particle's
 };
 
 /// Reads `<node>.yaml` for each node from a folder such as config/.
@@ -33,8 +39,8 @@ SlamParameters readSlamParameters(const std::string& folder);
 /// The cores of the ROS graph in one process, fed in the order of the stamps.
 ///
 /// As in the graph the scans set the pace: a scan is dealt with once odometry reaches its stamp, so
-/// that the motion up to it is known. What a core refuses is left out and counted by reason, as a
-/// node would log it.
+/// that the motion up to it is known. Without any odometry the scans alone tell the motion. What a
+/// core refuses is left out and counted by reason, as a node would log it.
 class SlamPipeline {
 public:
   /// \throws std::invalid_argument if a core refuses its parameters
@@ -49,20 +55,30 @@ public:
 
 private:
   void process(const ScanReading& reading);
+  /// The odometry's pose at a stamp, between the readings around it or that of the last one before
+  /// it.
+  std::optional<ram_slam::Pose2> wheelsAt(std::int64_t stamp_ns) const;
+  void feedKinematics(std::int64_t stamp_ns, const ram_slam::Pose2& odom_from_base);
+  void refineOdometry(const ScanReading& reading);
+  void smooth(Results& results);
   bool isKeyScan(const ram_slam::Pose2& map_from_laser);
   void leaveOut(const std::string& reason) { ++left_out_[reason]; }
   ram_slam::OccupancyGrid renderMap(const Trajectory& trajectory);
 
   SlamParameters parameters_;
+  ram_slam::LaserOdometry laser_odometry_;
   ramscout_feature_detector::FeatureDetector feature_detector_;
   ramscout_kinematics::Kinematics kinematics_;
   ram_slam::FastSlam fast_slam_;
+  ram_slam::MapSmoother map_smoother_;
   std::deque<ScanReading> waiting_;
-  std::optional<std::int64_t> odometry_ns_;  ///< newest odometry
+  std::deque<OdometryReading> wheels_;       ///< the newest readings
   std::vector<ScanReading> key_scans_;       ///< those that the map is drawn from
   std::optional<ram_slam::Pose2> last_key_;  ///< where the laser was at the newest of them
   Trajectory online_;
   std::size_t feature_count_ = 0;
+  std::size_t slip_count_ = 0;
+  int loop_closures_ = 0;
   std::map<std::string, int> left_out_;
 };
 
