@@ -63,23 +63,32 @@ std::size_t Contour::nearest(const Eigen::Vector2d& place_m) const {
   return best;
 }
 
-LineFit Contour::fit(std::size_t first, std::size_t last) const {
+Contour::Sums Contour::moments(std::size_t first, std::size_t last) const {
   const Sums& from = sums_[first];
   const Sums& to = sums_[last + 1];
+  const auto n = static_cast<double>(last - first + 1);
+  const double x = (to.x - from.x) / n;
+  const double y = (to.y - from.y) / n;
+  return {x, y, to.xx - from.xx - n * x * x, to.xy - from.xy - n * x * y,
+          to.yy - from.yy - n * y * y};
+}
+
+double Contour::residual_m2(std::size_t first, std::size_t last) const {
+  const Sums m = moments(first, last);
+  const double difference = std::sqrt((m.xx - m.yy) * (m.xx - m.yy) + 4.0 * m.xy * m.xy);
+  return std::max(0.5 * (m.xx + m.yy - difference), 0.0);
+}
+
+LineFit Contour::fit(std::size_t first, std::size_t last) const {
+  const Sums m = moments(first, last);
+  const double difference = std::sqrt((m.xx - m.yy) * (m.xx - m.yy) + 4.0 * m.xy * m.xy);
   LineFit line;
   line.count = static_cast<int>(last - first + 1);
-  const double n = line.count;
-  const double mean_x = (to.x - from.x) / n;
-  const double mean_y = (to.y - from.y) / n;
-  const double xx = to.xx - from.xx - n * mean_x * mean_x;
-  const double xy = to.xy - from.xy - n * mean_x * mean_y;
-  const double yy = to.yy - from.yy - n * mean_y * mean_y;
-  const double difference = std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy);
-  line.centroid_m = points_m_[0] + Eigen::Vector2d(mean_x, mean_y);
-  line.spread_m2 = std::max(0.5 * (xx + yy + difference), kSmallestSpreadM2);
-  line.residual_m2 = std::max(0.5 * (xx + yy - difference), 0.0);
-  Eigen::Vector2d axis = xx >= yy ? Eigen::Vector2d(xx - yy + difference, 2.0 * xy)
-                                  : Eigen::Vector2d(2.0 * xy, yy - xx + difference);
+  line.centroid_m = points_m_[0] + Eigen::Vector2d(m.x, m.y);
+  line.spread_m2 = std::max(0.5 * (m.xx + m.yy + difference), kSmallestSpreadM2);
+  line.residual_m2 = std::max(0.5 * (m.xx + m.yy - difference), 0.0);
+  Eigen::Vector2d axis = m.xx >= m.yy ? Eigen::Vector2d(m.xx - m.yy + difference, 2.0 * m.xy)
+                                      : Eigen::Vector2d(2.0 * m.xy, m.yy - m.xx + difference);
   if (axis.dot(points_m_[last] - points_m_[first]) < 0.0) axis = -axis;
   const double norm = axis.norm();
   if (norm > 0.0) line.direction = axis / norm;

@@ -1,139 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_feature_detector/corner_response.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
-#include <Eigen/LU>
+#include "ramscout_feature_detector/rasterisation.hpp"
+
+#include "wide_registers.hpp"
 
 namespace ramscout_feature_detector {
 namespace {
-
-constexpr double kTangentLengthM = 0.2;
-constexpr std::size_t kSmallestTangentPoints = 3;
 
 constexpr int kSearchRadius = 8;   // pixels around the place where a maximum may lie
 constexpr int kWindowRadius = 10;  // 2.5 standard deviations of the window
 constexpr float kWindowSigma = 4.0F;
 constexpr int kResponses = 2 * (kSearchRadius + 1) + 1;  // a maximum needs neighbours
 constexpr int kGradients = kResponses + 2 * kWindowRadius;
-constexpr int kPixels = kGradients + 2;
-constexpr float kKernelReach2 = 3.5F * 3.5F;  // squared Mahalanobis distance where the kernel ends
-constexpr float kSmallestSigma = 0.7F;        // pixels; narrower kernels alias
-
-template <int kRows, int kColumns>
-using Grid = std::array<std::array<float, kColumns>, kRows>;
-
-/// exp(-x) for x in [0, 8) within 1e-4, in a form that compilers vectorise.
-inline float expNegative(float x) {
-  const float y = x * 0.125F;
-  float p = 1.0F - y * (1.0F - y * (0.5F - y * (1.0F / 6.0F - y * (1.0F / 24.0F))));
-  p *= p;
-  p *= p;
-  return p * p;
-}
-
-/// Standard deviations of the kernel along and across the beam, in pixels of the level.
-struct KernelSigmas {
-  float range;
-  float bearing;
-};
-
-KernelSigmas kernelSigmas(double range_m, int level, const FeatureDetectorParameters& parameters) {
-  const double ppm = std::ldexp(parameters.ppm, -level);
-  // l times a binomial filter (variance 1) and decimation by two, in pixels of the level.
-  const double level_variance = (std::pow(4.0, level) - 1.0) / 3.0 / std::pow(4.0, level);
-  const auto sigma = [&](double sensor_m) {
-    const double sensor = sensor_m * ppm;
-    return std::max(kSmallestSigma,
-                    static_cast<float>(std::sqrt(sensor * sensor + level_variance)));
-  };
-  return {sigma(parameters.laser_range_sigma), sigma(range_m * parameters.laser_angular_sigma)};
-}
-
-/// Squared Mahalanobis distances to the polyline around a pixel.
-class DistancePatch {
-public:
-  /// \param column, row  global indices of the patch's first pixel
-  DistancePatch(int column, int row) : column_(column), row_(row) {
-    for (auto& line : squared_) line.fill(kKernelReach2);
-  }
-
-  /// Lowers the distances to those from the edge a-b, in pixels; the kernel is that of the edge's
-  /// middle.
-  void draw(const Eigen::Vector2d& a,
-            const Eigen::Vector2d& b,
-            double pixel_m,
-            int level,
-            const FeatureDetectorParameters& parameters) {
-    const double margin = parameters.kernel_radius;
-    if (std::max(a.x(), b.x()) < column_ - margin ||
-        std::min(a.x(), b.x()) > column_ + kPixels + margin ||
-        std::max(a.y(), b.y()) < row_ - margin ||
-        std::min(a.y(), b.y()) > row_ + kPixels + margin) {
-      return;
-    }
-    const Eigen::Vector2d middle = 0.5 * (a + b);
-    const double range = std::max(middle.norm(), 1e-6);
-    const KernelSigmas sigmas = kernelSigmas(range * pixel_m, level, parameters);
-    const float beam_x = static_cast<float>(middle.x() / range);
-    const float beam_y = static_cast<float>(middle.y() / range);
-    const int reach =
-        std::min(parameters.kernel_radius,
-                 static_cast<int>(std::ceil(3.5F * std::max(sigmas.range, sigmas.bearing))));
-
-    const int first_column = std::max(0, pixelOf(std::min(a.x(), b.x())) - reach - column_);
-    const int last_column =
-        std::min(kPixels - 1, pixelOf(std::max(a.x(), b.x())) + reach - column_);
-    const int first_row = std::max(0, pixelOf(std::min(a.y(), b.y())) - reach - row_);
-    const int last_row = std::min(kPixels - 1, pixelOf(std::max(a.y(), b.y())) + reach - row_);
-
-    const float along = 1.0F / sigmas.range;
-    const float across = 1.0F / sigmas.bearing;
-    const Eigen::Vector2f edge = (b - a).cast<float>();
-    const float edge_along = along * (beam_x * edge.x() + beam_y * edge.y());
-    const float edge_across = across * (beam_x * edge.y() - beam_y * edge.x());
-    const float length2 = edge_along * edge_along + edge_across * edge_across;
-    const float inverse2 = length2 > 0.0F ? 1.0F / length2 : 0.0F;
-    for (int row = first_row; row <= last_row; ++row) {
-      const float y = static_cast<float>(row + row_ + 0.5 - a.y());
-      const float x = static_cast<float>(first_column + column_ + 0.5 - a.x());
-      const float along_first = along * (beam_x * x + beam_y * y);
-      const float across_first = across * (beam_x * y - beam_y * x);
-      float* squared = squared_[row].data() + first_column;
-      const int count = last_column - first_column + 1;
-      for (int i = 0; i < count; ++i) {
-        const float step = static_cast<float>(i);
-        const float q_along = along_first + along * beam_x * step;
-        const float q_across = across_first - across * beam_y * step;
-        const float t = (q_along * edge_along + q_across * edge_across) * inverse2;
-        const float clamped = std::min(std::max(t, 0.0F), 1.0F);
-        const float d_along = q_along - clamped * edge_along;
-        const float d_across = q_across - clamped * edge_across;
-        squared[i] = std::min(squared[i], d_along * d_along + d_across * d_across);
-      }
-    }
-  }
-
-  Grid<kPixels, kPixels> intensities() const {
-    Grid<kPixels, kPixels> image;
-    for (int row = 0; row < kPixels; ++row) {
-      for (int column = 0; column < kPixels; ++column) {
-        const float d2 = squared_[row][column];
-        image[row][column] = d2 < kKernelReach2 ? expNegative(0.5F * d2) : 0.0F;
-      }
-    }
-    return image;
-  }
-
-private:
-  static int pixelOf(double coordinate) { return static_cast<int>(std::floor(coordinate)); }
-
-  int column_;
-  int row_;
-  Grid<kPixels, kPixels> squared_;
-};
+static_assert(kPatchPixels == kGradients + 2, "a gradient needs neighbours");
 
 /// Products of the gradient's components: [[xx, xy], [xy, yy]] summed over a window is the
 /// structure tensor.
@@ -142,7 +25,8 @@ struct GradientProducts {
 };
 
 /// Scharr / 32 gradients.
-GradientProducts gradientProducts(const Grid<kPixels, kPixels>& image) {
+RAMSCOUT_WIDE_REGISTERS
+GradientProducts gradientProducts(const ImagePatch& image) {
   GradientProducts g;
   for (int row = 0; row < kGradients; ++row) {
     const auto& up = image[row];
@@ -181,18 +65,28 @@ const Window& window() {
 }
 
 /// Gaussian mean of the products around every pixel that has a whole window.
+RAMSCOUT_WIDE_REGISTERS
 Grid<kResponses, kResponses> smooth(const Grid<kGradients, kGradients>& products) {
   const Window& w = window();
-  Grid<kResponses, kGradients> columns{};
+  constexpr int kLast = 2 * kWindowRadius;
+  Grid<kResponses, kGradients> columns;
   for (int row = 0; row < kResponses; ++row) {
-    for (int k = 0; k < static_cast<int>(w.size()); ++k) {
-      for (int i = 0; i < kGradients; ++i) columns[row][i] += w[k] * products[row + k][i];
+    float* sum = columns[row].data();
+    const float* middle = products[row + kWindowRadius].data();
+    for (int i = 0; i < kGradients; ++i) sum[i] = w[kWindowRadius] * middle[i];
+    for (int k = 0; k < kWindowRadius; ++k) {  // the window is symmetric
+      const float* above = products[row + k].data();
+      const float* below = products[row + kLast - k].data();
+      for (int i = 0; i < kGradients; ++i) sum[i] += w[k] * (above[i] + below[i]);
     }
   }
-  Grid<kResponses, kResponses> result{};
+  Grid<kResponses, kResponses> result;
   for (int row = 0; row < kResponses; ++row) {
-    for (int k = 0; k < static_cast<int>(w.size()); ++k) {
-      for (int i = 0; i < kResponses; ++i) result[row][i] += w[k] * columns[row][i + k];
+    float* sum = result[row].data();
+    const float* line = columns[row].data();
+    for (int i = 0; i < kResponses; ++i) sum[i] = w[kWindowRadius] * line[i + kWindowRadius];
+    for (int k = 0; k < kWindowRadius; ++k) {
+      for (int i = 0; i < kResponses; ++i) sum[i] += w[k] * (line[i + k] + line[i + kLast - k]);
     }
   }
   return result;
@@ -229,58 +123,40 @@ bool isLocalMaximum(const Grid<kResponses, kResponses>& response, int row, int c
 /// nearest to all the gradients' lines in the window.
 std::optional<Eigen::Vector2d> foerstnerOffset(const GradientProducts& g, int row, int column) {
   const Window& w = window();
-  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  double xx = 0.0, xy = 0.0, yy = 0.0, right_x = 0.0, right_y = 0.0;
   for (int y = -kWindowRadius; y <= kWindowRadius; ++y) {
+    const int gradient_row = row + y + kWindowRadius;
     for (int x = -kWindowRadius; x <= kWindowRadius; ++x) {
-      const int gy = row + y + kWindowRadius;
-      const int gx = column + x + kWindowRadius;
-      const double weight = w[y + kWindowRadius] * w[x + kWindowRadius];
-      Eigen::Matrix2d tensor;
-      tensor << g.xx[gy][gx], g.xy[gy][gx], g.xy[gy][gx], g.yy[gy][gx];
-      normal += weight * tensor;
-      right += weight * tensor * Eigen::Vector2d(x, y);
+      const int i = column + x + kWindowRadius;
+      const float weight = w[y + kWindowRadius] * w[x + kWindowRadius];
+      const double gxx = weight * g.xx[gradient_row][i];
+      const double gxy = weight * g.xy[gradient_row][i];
+      const double gyy = weight * g.yy[gradient_row][i];
+      xx += gxx;
+      xy += gxy;
+      yy += gyy;
+      right_x += gxx * x + gxy * y;
+      right_y += gxy * x + gyy * y;
     }
   }
-  const double determinant = normal.determinant();
+  const double determinant = xx * yy - xy * xy;
   if (!(determinant > 0.0)) return std::nullopt;
-  return Eigen::Vector2d((normal(1, 1) * right.x() - normal(0, 1) * right.y()) / determinant,
-                         (normal(0, 0) * right.y() - normal(0, 1) * right.x()) / determinant);
+  return Eigen::Vector2d((yy * right_x - xy * right_y) / determinant,
+                         (xx * right_y - xy * right_x) / determinant);
 }
 
 }  // namespace
-
-std::vector<Eigen::Vector2d> extrapolate(const Contour& contour, double distance_m) {
-  const std::size_t count = contour.size();
-  const std::size_t front_last =
-      std::min(count - 1, std::max(contour.indexAt(kTangentLengthM), kSmallestTangentPoints - 1));
-  const std::size_t back_first =
-      std::min(contour.indexAt(contour.length_m() - kTangentLengthM),
-               count > kSmallestTangentPoints ? count - kSmallestTangentPoints : 0);
-  std::vector<Eigen::Vector2d> polyline_m;
-  polyline_m.reserve(count + 2);
-  polyline_m.push_back(contour.front() - distance_m * contour.fit(0, front_last).direction);
-  for (std::size_t i = 0; i < count; ++i) polyline_m.push_back(contour[i]);
-  polyline_m.push_back(contour.back() + distance_m * contour.fit(back_first, count - 1).direction);
-  return polyline_m;
-}
 
 std::optional<ResponsePeak> findResponsePeak(const std::vector<Eigen::Vector2d>& polyline_m,
                                              const Eigen::Vector2d& near_m,
                                              int level,
                                              const FeatureDetectorParameters& parameters) {
   const double ppm = std::ldexp(parameters.ppm, -level);
-  const int margin = kPixels / 2;
+  const int margin = kPatchPixels / 2;
   const int first_column = static_cast<int>(std::floor(near_m.x() * ppm)) - margin;
   const int first_row = static_cast<int>(std::floor(near_m.y() * ppm)) - margin;
-  DistancePatch distances(first_column, first_row);
-  Eigen::Vector2d previous = ppm * polyline_m.front();
-  for (std::size_t i = 1; i < polyline_m.size(); ++i) {
-    const Eigen::Vector2d current = ppm * polyline_m[i];
-    distances.draw(previous, current, 1.0 / ppm, level, parameters);
-    previous = current;
-  }
-  const GradientProducts gradients = gradientProducts(distances.intensities());
+  const GradientProducts gradients =
+      gradientProducts(rasterise(polyline_m, first_column, first_row, level, parameters));
   const Tensors tensors = structureTensors(gradients);
 
   int best_row = 0;

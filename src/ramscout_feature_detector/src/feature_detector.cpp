@@ -6,6 +6,7 @@
 
 #include "ramscout_feature_detector/corner_response.hpp"
 #include "ramscout_feature_detector/polar_grid.hpp"
+#include "ramscout_feature_detector/rasterisation.hpp"
 #include "ramscout_feature_detector/segmentation.hpp"
 #include "ramscout_feature_detector/two_line_corner.hpp"
 

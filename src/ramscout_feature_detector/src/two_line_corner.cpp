@@ -90,7 +90,7 @@ std::size_t bestSplit(const Contour& contour, std::size_t first, std::size_t las
   double best_m2 = std::numeric_limits<double>::infinity();
   for (std::size_t split = best; split + kSmallestLegPoints <= last; ++split) {
     const double residual_m2 =
-        contour.fit(first, split).residual_m2 + contour.fit(split + 1, last).residual_m2;
+        contour.residual_m2(first, split) + contour.residual_m2(split + 1, last);
     if (residual_m2 < best_m2) {
       best_m2 = residual_m2;
       best = split;

@@ -48,6 +48,8 @@ public:
 
   /// Line through the points first..last, both included; needs last > first.
   LineFit fit(std::size_t first, std::size_t last) const;
+  /// Sum of squared distances of the points first..last from that line [m^2].
+  double residual_m2(std::size_t first, std::size_t last) const;
 
   /// The same line without the bias that range noise gives it: noise moves points along their
   /// beams, so not only across the line but along it, too. Regression on the places where the beams
@@ -58,6 +60,8 @@ private:
   struct Sums {
     double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   };
+  /// Mean of the points first..last, relative to the first of all, and their scatter about it.
+  Sums moments(std::size_t first, std::size_t last) const;
 
   std::vector<Eigen::Vector2d> points_m_;
   std::vector<Sums> sums_;  ///< sums_[i]: of the points before i, relative to the first

@@ -6,33 +6,24 @@
 
 #include <Eigen/Core>
 
-#include "ramscout_feature_detector/contour.hpp"
 #include "ramscout_feature_detector/parameters.hpp"
 
 namespace ramscout_feature_detector {
 
-/// The contour with its ends prolonged along their tangents, so that the ridge in the image does
-/// not stop where the surface leaves the view: the end of a ridge is itself a corner.
-std::vector<Eigen::Vector2d> extrapolate(const Contour& contour, double distance_m);
-
 /// A local maximum of the corner response on one level of the pyramid.
 struct ResponsePeak {
   int level = 0;
-  double min_eigenvalue =
-      0.0;  ///< of the structure tensor, intensities in [0, 1], pixels of this level
-  double cornerness =
-      0.0;  ///< min_eigenvalue / trace, in [0, 1/2]: independent of scale and contrast
-  Eigen::Vector2d point_m =
-      Eigen::Vector2d::Zero();  ///< Foerstner point: where the ridges' axes cross
+  /// Of the structure tensor; intensities in [0, 1], pixels of this level.
+  double min_eigenvalue = 0.0;
+  /// min_eigenvalue / trace, in [0, 1/2]: independent of scale and contrast.
+  double cornerness = 0.0;
+  /// Foerstner point: where the ridges' axes cross.
+  Eigen::Vector2d point_m = Eigen::Vector2d::Zero();
 };
 
-/// The corner response of Li & Olson (Sensors 10(11), 2010) near a place.
-///
-/// The image: every surface point blurred with the sensor's range and bearing noise, the brightest
-/// blur counts, I(u) = exp(-1/2 min D^2(u)), D the Mahalanobis distance of u from the polyline.
-/// Level l has ppm / 2^l pixels per metre and the additional blur of l binomial decimations. The
-/// response: smaller eigenvalue of the structure tensor of Scharr gradients in a Gaussian window of
-/// 4 pixels (Shi & Tomasi, CVPR 1994).
+/// The corner response of Li & Olson (Sensors 10(11), 2010) near a place: the smaller eigenvalue of
+/// the structure tensor of the image's Scharr gradients in a Gaussian window of 4 pixels (Shi &
+/// Tomasi, CVPR 1994).
 ///
 /// The pixels belong to one grid fixed to the laser, so that this equals the response of the whole
 /// image, wherever `near_m` lies.
