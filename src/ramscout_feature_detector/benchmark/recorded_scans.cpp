@@ -3,16 +3,17 @@
 //
 // recorded_scans LOG [CONFIG.yaml [FEATURES.csv]]
 //
-// LOG: lines ROBOTLASER1 or FLASER of a CARMEN log whose laser poses are corrected. Writes FEATURES.csv: scan index, x, y
-// in the laser's frame.
+// LOG: lines ROBOTLASER1 or FLASER of a CARMEN log whose laser poses are corrected. Writes
+// FEATURES.csv: scan index, x, y in the laser's frame.
 //
-// Repeatability: pairs of scans 0.1 to 1 m and less than 30 degrees apart, at most 4 later scans (of the next 40) for
-// each. A feature counts if the other scan sees its place: range there more than (distance - 0.3 m). It is repeated if
-// the other scan has a feature within 0.20 m. Chance: the same for the features' places moved by 1 m in a random
-// direction.
+// Repeatability: pairs of scans 0.1 to 1 m and less than 30 degrees apart, at most 4 later scans
+// (of the next 40) for each. A feature counts if the other scan sees its place: range there more
+// than (distance - 0.3 m). It is repeated if the other scan has a feature within 0.20 m. Chance:
+// the same for the features' places moved by 1 m in a random direction.
 //
-// Recognition: pairs of features of scans more than 40 scans and less than 2 m apart. True: less than 0.15 m apart in the
-// world; false: more than 0.5 m. Share of true pairs above the likelihood ratio that 1 % of the false pairs exceed.
+// Recognition: pairs of features of scans more than 40 scans and less than 2 m apart. True: less
+// than 0.15 m apart in the world; false: more than 0.5 m. Share of true pairs above the likelihood
+// ratio that 1 % of the false pairs exceed.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -47,8 +48,8 @@ std::vector<Recorded> readLog(const char* path) {
     int count = 0;
     if (name == "ROBOTLASER1") {
       double type, field_of_view, max_range, accuracy, remission;
-      words >> type >> recorded.scan.angle_min_rad >> field_of_view >> recorded.scan.angle_increment_rad >> max_range >>
-          accuracy >> remission >> count;
+      words >> type >> recorded.scan.angle_min_rad >> field_of_view >>
+          recorded.scan.angle_increment_rad >> max_range >> accuracy >> remission >> count;
     } else if (name == "FLASER") {
       words >> count;
       recorded.scan.angle_min_rad = -M_PI_2;
@@ -84,7 +85,10 @@ struct Repeatability {
   int visible = 0, repeated = 0, chance_visible = 0, chance_repeated = 0;
 };
 
-void repeat(const Recorded& from, const Recorded& to, ram_slam::Random& random, Repeatability& result) {
+void repeat(const Recorded& from,
+            const Recorded& to,
+            ram_slam::Random& random,
+            Repeatability& result) {
   const ram_slam::Pose2 to_from = to.pose.inverse() * from.pose;
   const auto count = [&](const Eigen::Vector2d& place_m, int& visible, int& repeated) {
     if (!sees(to, place_m)) return;
@@ -97,8 +101,8 @@ void repeat(const Recorded& from, const Recorded& to, ram_slam::Random& random, 
     const Eigen::Vector2d place_m = to_from * feature.position_m;
     const double angle_rad = 2.0 * M_PI * random.uniform();
     count(place_m, result.visible, result.repeated);
-    count(place_m + Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)), result.chance_visible,
-          result.chance_repeated);
+    count(place_m + Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)),
+          result.chance_visible, result.chance_repeated);
   }
 }
 
@@ -127,20 +131,27 @@ void recognition(const std::vector<Recorded>& log) {
       const ram_slam::Pose2 i_from_j = log[i].pose.inverse() * log[j].pose;
       for (std::size_t a = 0; a < log[i].features.size(); ++a) {
         for (std::size_t b = 0; b < log[j].features.size(); ++b) {
-          const double distance_m = (log[i].features[a].position_m - i_from_j * log[j].features[b].position_m).norm();
+          const double distance_m =
+              (log[i].features[a].position_m - i_from_j * log[j].features[b].position_m).norm();
           if (distance_m >= 0.15 && distance_m <= 0.5) continue;
           (distance_m < 0.15 ? same : different)
-              .push_back(matcher.logLikelihoodRatio(*log[i].descriptors[a], *log[j].descriptors[b]));
+              .push_back(
+                  matcher.logLikelihoodRatio(*log[i].descriptors[a], *log[j].descriptors[b]));
         }
       }
     }
   }
   if (same.empty() || different.empty()) return;
   std::sort(different.begin(), different.end());
-  const double threshold = different[static_cast<std::size_t>(0.99 * static_cast<double>(different.size()))];
-  const auto matched = std::count_if(same.begin(), same.end(), [&](double ratio) { return ratio > threshold; });
-  std::printf("recognition: %zu true and %zu false pairs; %.3f of the true ones above the ratio %.2f of 1 %% false ones\n",
-              same.size(), different.size(), static_cast<double>(matched) / static_cast<double>(same.size()), threshold);
+  const double threshold =
+      different[static_cast<std::size_t>(0.99 * static_cast<double>(different.size()))];
+  const auto matched =
+      std::count_if(same.begin(), same.end(), [&](double ratio) { return ratio > threshold; });
+  std::printf(
+      "recognition: %zu true and %zu false pairs; %.3f of the true ones above the ratio %.2f of 1 "
+      "%% false ones\n",
+      same.size(), different.size(),
+      static_cast<double>(matched) / static_cast<double>(same.size()), threshold);
 }
 
 }  // namespace
@@ -164,7 +175,9 @@ int main(int argc, char** argv) {
   for (std::size_t i = 0; i < log.size(); ++i) {
     const auto start = std::chrono::steady_clock::now();
     log[i].features = detector.detect(log[i].scan, {}).features;
-    times_us.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
+    times_us.push_back(
+        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
+            .count());
     features += log[i].features.size();
     for (const auto& feature : log[i].features) {
       log[i].descriptors.push_back(CornerMatcher().parse(feature.classifier));
@@ -173,10 +186,11 @@ int main(int argc, char** argv) {
   }
   std::sort(times_us.begin(), times_us.end());
   std::printf("%zu scans, %.2f features a scan; median %.0f us, p99 %.0f us a scan\n", log.size(),
-              static_cast<double>(features) / static_cast<double>(log.size()), times_us[times_us.size() / 2],
-              times_us[times_us.size() * 99 / 100]);
+              static_cast<double>(features) / static_cast<double>(log.size()),
+              times_us[times_us.size() / 2], times_us[times_us.size() * 99 / 100]);
   const Repeatability r = repeatability(log);
-  std::printf("repeatability %.3f (%d of %d visible), by chance %.3f\n", 1.0 * r.repeated / r.visible, r.repeated, r.visible,
+  std::printf("repeatability %.3f (%d of %d visible), by chance %.3f\n",
+              1.0 * r.repeated / r.visible, r.repeated, r.visible,
               1.0 * r.chance_repeated / r.chance_visible);
   recognition(log);
 }

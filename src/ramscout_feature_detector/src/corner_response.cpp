@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "ramscout_feature_detector/rasterisation.hpp"
 
@@ -147,10 +148,10 @@ std::optional<Eigen::Vector2d> foerstnerOffset(const GradientProducts& g, int ro
 
 }  // namespace
 
-std::optional<ResponsePeak> findResponsePeak(const std::vector<Eigen::Vector2d>& polyline_m,
-                                             const Eigen::Vector2d& near_m,
-                                             int level,
-                                             const FeatureDetectorParameters& parameters) {
+std::vector<ResponsePeak> findResponsePeaks(const std::vector<Eigen::Vector2d>& polyline_m,
+                                            const Eigen::Vector2d& near_m,
+                                            int level,
+                                            const FeatureDetectorParameters& parameters) {
   const double ppm = std::ldexp(parameters.ppm, -level);
   const int margin = kPatchPixels / 2;
   const int first_column = static_cast<int>(std::floor(near_m.x() * ppm)) - margin;
@@ -159,32 +160,25 @@ std::optional<ResponsePeak> findResponsePeak(const std::vector<Eigen::Vector2d>&
       gradientProducts(rasterise(polyline_m, first_column, first_row, level, parameters));
   const Tensors tensors = structureTensors(gradients);
 
-  int best_row = 0;
-  int best_column = 0;
-  float best = 0.0F;
+  std::vector<ResponsePeak> peaks;
   for (int row = 1; row + 1 < kResponses; ++row) {
     for (int column = 1; column + 1 < kResponses; ++column) {
-      const float here = tensors.min_eigenvalue[row][column];
-      if (here <= best || !isLocalMaximum(tensors.min_eigenvalue, row, column)) continue;
-      best = here;
-      best_row = row;
-      best_column = column;
+      if (!isLocalMaximum(tensors.min_eigenvalue, row, column)) continue;
+      const auto offset = foerstnerOffset(gradients, row, column);
+      if (!offset) continue;
+      ResponsePeak peak;
+      peak.level = level;
+      peak.min_eigenvalue = tensors.min_eigenvalue[row][column];
+      peak.cornerness = peak.min_eigenvalue / (tensors.xx[row][column] + tensors.yy[row][column]);
+      const int border = kWindowRadius + 1;
+      peak.point_m =
+          (Eigen::Vector2d(first_column + border + column + 0.5, first_row + border + row + 0.5) +
+           *offset) /
+          ppm;
+      peaks.push_back(peak);
     }
   }
-  if (best_row == 0) return std::nullopt;
-  const auto offset = foerstnerOffset(gradients, best_row, best_column);
-  if (!offset) return std::nullopt;
-  ResponsePeak peak;
-  peak.level = level;
-  peak.min_eigenvalue = tensors.min_eigenvalue[best_row][best_column];
-  peak.cornerness =
-      peak.min_eigenvalue / (tensors.xx[best_row][best_column] + tensors.yy[best_row][best_column]);
-  const int border = kWindowRadius + 1;
-  peak.point_m = (Eigen::Vector2d(first_column + border + best_column + 0.5,
-                                  first_row + border + best_row + 0.5) +
-                  *offset) /
-                 ppm;
-  return peak;
+  return peaks;
 }
 
 }  // namespace ramscout_feature_detector

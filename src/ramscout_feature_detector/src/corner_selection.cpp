@@ -11,6 +11,7 @@ namespace ramscout_feature_detector {
 namespace {
 
 constexpr double kFarthestFromSurfaceM = 0.15;
+constexpr double kFarthestPeakPixels = 5.0;
 constexpr double kSignificantOnOneLevel = 25.0;
 
 /// A corner and the levels that speak for it, one bit each.
@@ -24,6 +25,14 @@ bool isCertain(const Eigen::Matrix2d& covariance_m2, const FeatureDetectorParame
   const double mean = 0.5 * covariance_m2.trace();
   const double largest = mean + std::sqrt(std::max(mean * mean - covariance_m2.determinant(), 0.0));
   return largest <= parameters.position_sigma_limit * parameters.position_sigma_limit;
+}
+
+/// Whether the ridges in the image cross where the lines do.
+bool agrees(const ResponsePeak& peak,
+            const TwoLineCorner& lines,
+            const FeatureDetectorParameters& parameters) {
+  const double ppm = std::ldexp(parameters.ppm, -peak.level);
+  return (peak.point_m - lines.position_m).norm() * ppm <= kFarthestPeakPixels;
 }
 
 bool onEnoughLevels(const Candidate& candidate, const FeatureDetectorParameters& parameters) {
@@ -79,7 +88,7 @@ std::vector<Corner> selectCorners(const Contour& contour,
     const std::size_t nearest = contour.nearest(peak.point_m);
     if ((contour[nearest] - peak.point_m).norm() > kFarthestFromSurfaceM) continue;
     const auto lines = fitCorner(contour, nearest, parameters);
-    if (lines && isAdmissible(*lines, contour, parameters)) {
+    if (lines && agrees(peak, *lines, parameters) && isAdmissible(*lines, contour, parameters)) {
       merge(*lines, peak, parameters, candidates);
     }
   }

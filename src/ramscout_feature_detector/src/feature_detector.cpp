@@ -36,8 +36,8 @@ std::vector<Corner> cornersOf(const Contour& contour, const FeatureDetectorParam
   std::vector<ResponsePeak> peaks;
   for (const Eigen::Vector2d& place_m : places_m) {
     for (int level = 0; level < parameters.scale_levels; ++level) {
-      const auto peak = findResponsePeak(polyline_m, place_m, level, parameters);
-      if (peak) peaks.push_back(*peak);
+      const auto found = findResponsePeaks(polyline_m, place_m, level, parameters);
+      peaks.insert(peaks.end(), found.begin(), found.end());
     }
   }
   return selectCorners(contour, peaks, parameters);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -29,11 +28,10 @@ struct ResponsePeak {
 /// image, wherever `near_m` lies.
 ///
 /// \param polyline_m  the prolonged contour, in the laser's frame
-/// \return the highest local maximum within 8 pixels of `near_m` (Chebyshev distance), if there is
-/// one
-std::optional<ResponsePeak> findResponsePeak(const std::vector<Eigen::Vector2d>& polyline_m,
-                                             const Eigen::Vector2d& near_m,
-                                             int level,
-                                             const FeatureDetectorParameters& parameters);
+/// \return the local maxima within 8 pixels of `near_m` (Chebyshev distance)
+std::vector<ResponsePeak> findResponsePeaks(const std::vector<Eigen::Vector2d>& polyline_m,
+                                            const Eigen::Vector2d& near_m,
+                                            int level,
+                                            const FeatureDetectorParameters& parameters);
 
 }  // namespace ramscout_feature_detector

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a sensor, a driver or a network may deliver instead of a scan.
+#include <limits>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "ramscout_feature_detector/feature_detector.hpp"
+
+#include "polygon_world.hpp"
+
+namespace ramscout_feature_detector {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+/// A room whose four corners a full-turn lidar sees.
+ram_slam::LaserScan roomScan(int beams = 720) {
+  ram_slam::Random random(1);
+  PolygonWorld room;
+  room.add({{-2.0, -1.7}, {2.2, -1.7}, {2.2, 1.9}, {-2.0, 1.9}}, true);
+  return room.scan({}, 0.005, random, beams, -M_PI, 2.0 * M_PI / beams);
+}
+
+std::size_t countFeatures(const ram_slam::LaserScan& scan) {
+  return FeatureDetector({}).detect(scan, {}).features.size();
+}
+
+TEST(BadScans, AGoodOneHasFourCorners) {
+  EXPECT_EQ(countFeatures(roomScan()), 4U);
+}
+
+TEST(BadScans, ReadingsWithoutMeaningYieldNothing) {
+  for (const float value :
+       {kNan, kInfinity, -kInfinity, 0.0F, -1.0F, -0.0F, 1e30F, 1e-40F, 0.04F, 31.0F}) {
+    auto scan = roomScan();
+    std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), value);
+    EXPECT_EQ(countFeatures(scan), 0U) << value;
+  }
+}
+
+TEST(BadScans, AFewReadingsWithoutMeaningTakeAwayAtMostTheirSurroundings) {
+  for (const float value : {kNan, kInfinity, -kInfinity, 0.0F, 1e30F}) {
+    auto scan = roomScan();
+    const auto whole = FeatureDetector({}).detect(scan, {}).features;
+    scan.ranges_m[360] = value;
+    const auto features = FeatureDetector({}).detect(scan, {}).features;
+    EXPECT_EQ(features.size(), whole.size()) << value;
+  }
+}
+
+TEST(BadScans, RangesAsFarAsFloatsGoOverflowNothing) {
+  auto scan = roomScan();
+  scan.range_max_m = std::numeric_limits<float>::max();
+  for (std::size_t i = 0; i < scan.ranges_m.size(); i += 3) scan.ranges_m[i] = 1e30F;
+  EXPECT_NO_THROW(countFeatures(scan));
+}
+
+TEST(BadScans, CirclesAndSingleBeamsAreScansWithoutFeatures) {
+  auto scan = roomScan();
+  std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), 3.0F);
+  EXPECT_EQ(countFeatures(scan), 0U);
+  std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), scan.range_max_m);
+  EXPECT_EQ(countFeatures(scan), 0U);
+  scan.ranges_m.resize(1);
+  EXPECT_EQ(countFeatures(scan), 0U);
+}
+
+TEST(BadScans, ClockwiseScansShowTheSameWorld) {
+  auto scan = roomScan();
+  const auto expected = FeatureDetector({}).detect(scan, {}).features;
+  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+  scan.angle_min_rad = scan.bearing_rad(scan.ranges_m.size() - 1);
+  scan.angle_increment_rad = -scan.angle_increment_rad;
+  const auto features = FeatureDetector({}).detect(scan, {}).features;
+  ASSERT_EQ(features.size(), expected.size());
+  for (const auto& feature : features) {
+    double nearest_m = 1.0;
+    for (const auto& other : expected) {
+      nearest_m = std::min(nearest_m, (feature.position_m - other.position_m).norm());
+    }
+    EXPECT_LT(nearest_m, 0.01);
+  }
+}
+
+TEST(BadScans, AnglesMayBeCountedInAnotherTurnAndTheLastBeamRepeatTheFirst) {
+  auto scan = roomScan();
+  const auto expected = FeatureDetector({}).detect(scan, {}).features;
+  scan.angle_min_rad += 4.0 * M_PI;
+  scan.ranges_m.push_back(scan.ranges_m.front());
+  const auto features = FeatureDetector({}).detect(scan, {}).features;
+  ASSERT_EQ(features.size(), expected.size());
+  EXPECT_LT((features[0].position_m - expected[0].position_m).norm(), 1e-3);
+  EXPECT_EQ(features[0].classifier, expected[0].classifier);
+}
+
+TEST(BadScans, TheSizeMayChangeFromScanToScan) {
+  const FeatureDetector detector({});
+  for (const int beams : {720, 447, 1440, 461, 3}) {
+    EXPECT_NO_THROW(detector.detect(roomScan(beams), {})) << beams;
+  }
+}
+
+TEST(BadScans, SaltNoiseBoundsTheFeatures) {
+  const std::size_t limit = 3 * countFeatures(roomScan());
+  for (int seed = 0; seed < 20; ++seed) {
+    auto scan = roomScan();
+    ram_slam::Random random(seed);
+    for (float& range_m : scan.ranges_m) {
+      if (random.uniform() < 0.3) range_m = static_cast<float>(30.0 * random.uniform());
+    }
+    EXPECT_LE(countFeatures(scan), limit);
+  }
+}
+
+TEST(BadScans, UnusableScansAreRefused) {
+  const auto refused = [](auto&& change) {
+    auto scan = roomScan();
+    change(scan);
+    EXPECT_THROW(countFeatures(scan), std::invalid_argument);
+  };
+  refused([](auto& scan) { scan.ranges_m.clear(); });
+  refused([](auto& scan) { scan.ranges_m.resize(1000000); });
+  refused([](auto& scan) { scan.angle_increment_rad = 0.0; });
+  refused([](auto& scan) { scan.angle_increment_rad = 1e-9; });
+  refused([](auto& scan) { scan.angle_increment_rad = std::nan(""); });
+  refused([](auto& scan) { scan.angle_min_rad = kInfinity; });
+  refused([](auto& scan) { std::swap(scan.range_min_m, scan.range_max_m); });
+  refused([](auto& scan) { scan.range_min_m = kNan; });
+  refused([](auto& scan) { scan.range_max_m = -1.0F; });
+}
+
+TEST(BadScans, AMountingThatIsNoPoseIsRefused) {
+  EXPECT_THROW(FeatureDetector({}).detect(roomScan(), {std::nan(""), 0.0, 0.0}),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ramscout_feature_detector
