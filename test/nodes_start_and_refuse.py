@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Every node starts alone, stops on SIGTERM, and refuses bad parameters with one FATAL line and a non-zero exit code."""
+import itertools
 import os
 import re
 import signal
@@ -20,12 +21,13 @@ NODES = {
 START_TIMEOUT_S = 20.0
 ALIVE_S = 1.5
 STOP_TIMEOUT_S = 5.0
+fresh_number = itertools.count()  # parameters outlive their node: no name is used twice
 
 
 def start(node, *parameters):
     package = NODES[node][0]
     return subprocess.Popen(
-        ["rosrun", package, node, "__name:=%s_under_test" % node, *parameters],
+        ["rosrun", package, node, "__name:=%s_%d" % (node, next(fresh_number)), *parameters],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
 
 
@@ -45,33 +47,29 @@ class NodesStartAndRefuse(unittest.TestCase):
         self.assertEqual(len(fatal_lines(output)), 1, output)
         self.assertIn(expected, fatal_lines(output)[0])
 
-    def test_every_node_starts_alone_and_stops_on_request(self):
-        for node in NODES:
-            with self.subTest(node=node):
-                process = start(node)
-                try:
-                    time.sleep(ALIVE_S)
-                    self.assertIsNone(process.poll(), "%s died: %s" % (node, process.stdout.read()
-                                                                      if process.poll() is not None else ""))
-                finally:
-                    os.killpg(process.pid, signal.SIGTERM)
-                    process.communicate(timeout=STOP_TIMEOUT_S)
+    def starts_alone_and_stops_on_request(self, node):
+        process = start(node)
+        time.sleep(ALIVE_S)
+        exit_code = process.poll()
+        os.killpg(process.pid, signal.SIGTERM)
+        output, _ = process.communicate(timeout=STOP_TIMEOUT_S)
+        self.assertIsNone(exit_code, output)
 
-    def test_every_node_refuses_an_unknown_key(self):
-        for node in NODES:
-            with self.subTest(node=node):
-                self.refuses(node, "_no_such_key:=1", "no_such_key")
 
-    def test_every_node_refuses_a_value_out_of_range(self):
-        for node, (_, key, value) in NODES.items():
-            with self.subTest(node=node):
-                self.refuses(node, "_%s:=%s" % (key, value), key)
+def add_tests(node):
+    _, key, bad_value = NODES[node]
+    tests = {
+        "starts_alone_and_stops_on_request": lambda self: self.starts_alone_and_stops_on_request(node),
+        "refuses_an_unknown_key": lambda self: self.refuses(node, "_no_such_key:=1", "no_such_key"),
+        "refuses_a_value_out_of_range": lambda self: self.refuses(node, "_%s:=%s" % (key, bad_value), key),
+        "refuses_a_wrong_type": lambda self: self.refuses(node, "_%s:=text" % key, key),
+    }
+    for name, test in tests.items():
+        setattr(NodesStartAndRefuse, "test_%s_%s" % (node, name), test)
 
-    def test_every_node_refuses_a_wrong_type(self):
-        for node, (_, key, _) in NODES.items():
-            with self.subTest(node=node):
-                self.refuses(node, "_%s:=text" % key, key)
 
+for node_type in NODES:
+    add_tests(node_type)
 
 if __name__ == "__main__":
     rostest.rosrun("ramscout_bringup", "nodes_start_and_refuse", NodesStartAndRefuse)
