@@ -148,7 +148,9 @@ TEST(OdometryBuffer, ForgetsWhatIsOlderThanItsLength) {
 TEST(OdometryBuffer, RefusesIntervalsThatItDoesNotCover) {
   EXPECT_EQ(reasonFor(OdometryBuffer{OdometryBufferParameters()}, 0.0, 1.0),
             Unavailable::kNoOdometry);
-  const OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.0}, 1.0, 0.1));
+  OdometryBufferParameters parameters;
+  parameters.max_extrapolation_s = 0.2;
+  const OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.0}, 1.0, 0.1), parameters);
   EXPECT_EQ(reasonFor(buffer, -0.01, 0.5), Unavailable::kTooOld);
   EXPECT_EQ(reasonFor(buffer, 0.5, 1.21), Unavailable::kNotYetAvailable);
   EXPECT_THROW(buffer.segments(after(0.5), after(0.4)), std::invalid_argument);
@@ -192,9 +194,12 @@ TEST(OdometryBuffer, TrustsTheReportedTwistAfterTheFirstSample) {
 }
 
 TEST(OdometryBuffer, BridgesAGapWithMoreNoiseAndRefusesALongOne) {
+  OdometryBufferParameters parameters;
+  parameters.gap_s = 0.5;
+  parameters.max_gap_s = 2.0;
   std::vector<OdometrySample> samples = drive({1.0, 0.0, 0.0}, 5.0, 0.1);
   samples.erase(samples.begin() + 11, samples.begin() + 20);  // 1 s without
-  const OdometryBuffer buffer = bufferOf(samples);
+  const OdometryBuffer buffer = bufferOf(samples, parameters);
   const auto segments = buffer.segments(after(1.0), after(2.0));
   ASSERT_EQ(segments.size(), 1u);
   EXPECT_NEAR(segments[0].increment.x(), 1.0, 1e-9);
@@ -202,7 +207,7 @@ TEST(OdometryBuffer, BridgesAGapWithMoreNoiseAndRefusesALongOne) {
   EXPECT_EQ(buffer.segments(after(0.5), after(0.6))[0].noise_factor, 1.0);
 
   samples.erase(samples.begin() + 11, samples.begin() + 30);
-  const OdometryBuffer holed = bufferOf(samples);
+  const OdometryBuffer holed = bufferOf(samples, parameters);
   EXPECT_EQ(reasonFor(holed, 0.5, 4.5), Unavailable::kGap);
   EXPECT_NEAR(motion(holed, 0.5, 1.0).x_m, 0.5, 1e-9);
   EXPECT_NEAR(motion(holed, 4.0, 4.5).x_m, 0.5, 1e-9);
