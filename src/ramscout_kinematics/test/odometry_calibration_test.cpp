@@ -17,7 +17,7 @@ namespace {
 using ram_slam::Pose2;
 using ram_slam::PoseWithCovariance2;
 
-constexpr double kSeparationM = 0.40;
+constexpr double kSeparationM = 0.36;
 constexpr double kIntervalM = 0.3;
 constexpr int kPieces = 10;
 constexpr double kObserverSigmaM = 0.002;

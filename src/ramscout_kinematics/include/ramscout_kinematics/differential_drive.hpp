@@ -7,7 +7,7 @@ namespace ramscout_kinematics {
 
 /// Two driven wheels on one axle; the base frame sits in the middle of that axle.
 struct DifferentialDriveParameters {
-  double wheel_separation_m = 0.40;
+  double wheel_separation_m = 0.36;
   /// Variance of a wheel's travel per metre of it: 1e-5 is a standard deviation of 3 mm after 1 m,
   /// 3 cm after 100 m.
   double left_noise_m2_per_m = 1e-5;

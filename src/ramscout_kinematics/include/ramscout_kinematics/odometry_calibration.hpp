@@ -10,7 +10,7 @@
 namespace ramscout_kinematics {
 
 struct OdometryCalibrationParameters {
-  double wheel_separation_m = 0.40;
+  double wheel_separation_m = 0.36;
   /// Standard deviation of the relative errors before anything is known, and how it grows per root
   /// metre afterwards.
   double prior_sigma = 0.05;
