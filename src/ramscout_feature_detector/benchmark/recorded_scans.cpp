@@ -181,7 +181,8 @@ int main(int argc, char** argv) {
     features += log[i].features.size();
     for (const auto& feature : log[i].features) {
       log[i].descriptors.push_back(CornerMatcher().parse(feature.classifier));
-      csv << i << ',' << feature.position_m.x() << ',' << feature.position_m.y() << '\n';
+      csv << i << ',' << feature.position_m.x() << ',' << feature.position_m.y() << ','
+          << feature.classifier << '\n';
     }
   }
   std::sort(times_us.begin(), times_us.end());

@@ -2,6 +2,7 @@
 #include "ramscout_feature_detector/polar_grid.hpp"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 
 #include "ram_slam/pose2.hpp"
@@ -19,6 +20,14 @@ constexpr double kSurfaceM = 0.08;
 constexpr double kFreeBelow = 0.2;
 constexpr double kMixedBelow = 0.6;
 constexpr int kLeastCommonCells = PolarGrid::kCells / 5;
+constexpr double kPriorCells = 20.0;
+constexpr double kPriorDifference = 0.12;
+constexpr double kOneSidedWeight = 0.1;
+constexpr double kTurnWeight = 0.01;
+
+int countBits(std::uint64_t bits) {
+  return static_cast<int>(std::bitset<64>(bits).count());
+}
 
 /// Sample points of all cells relative to a corner at the origin with its bisector along x, cell by
 /// cell.
@@ -159,23 +168,45 @@ std::optional<PolarGrid> PolarGrid::parse(const std::string& text) {
   return grid;
 }
 
-std::optional<double> distance(const PolarGrid& a, const PolarGrid& b) {
+ComparableGrid::ComparableGrid(const PolarGrid& grid)
+    : turned_{planesOf(grid, -1), planesOf(grid, 0), planesOf(grid, 1)} {}
+
+ComparableGrid::Planes ComparableGrid::planesOf(const PolarGrid& grid, int turn) {
+  Planes planes;
+  for (int ring = 0; ring < PolarGrid::kRings; ++ring) {
+    for (int sector = 0; sector < PolarGrid::kSectors; ++sector) {
+      const int cell = ring * PolarGrid::kSectors + sector;
+      const std::uint64_t bit = std::uint64_t{1} << (cell % 64);
+      const PolarGrid::Cell state = grid.at(ring, sector + turn);
+      if (state == PolarGrid::kFree) planes.free[cell / 64] |= bit;
+      if (state == PolarGrid::kMixed) planes.mixed[cell / 64] |= bit;
+      if (state == PolarGrid::kOccupied) planes.occupied[cell / 64] |= bit;
+    }
+  }
+  return planes;
+}
+
+std::optional<double> ComparableGrid::distance(const ComparableGrid& other) const {
+  const Planes& a = turned_[1];
   std::optional<double> best;
-  for (int shift = -1; shift <= 1; ++shift) {
-    int common = 0;
-    double sum = 0.0;
-    for (int ring = 0; ring < PolarGrid::kRings; ++ring) {
-      for (int sector = 0; sector < PolarGrid::kSectors; ++sector) {
-        const int state_a = a.at(ring, sector);
-        const int state_b = b.at(ring, sector + shift);
-        if (state_a == PolarGrid::kUnknown || state_b == PolarGrid::kUnknown) continue;
-        ++common;
-        sum += 0.25 * (state_a - state_b) * (state_a - state_b);
-      }
+  for (int turn = -1; turn <= 1; ++turn) {
+    const Planes& b = other.turned_[turn + 1];
+    int common = 0, opposite = 0, half_apart = 0, one_sided = 0;
+    for (int i = 0; i < kWords; ++i) {
+      const std::uint64_t clear_a = a.free[i] | a.occupied[i];
+      const std::uint64_t clear_b = b.free[i] | b.occupied[i];
+      const std::uint64_t known_a = clear_a | a.mixed[i];
+      const std::uint64_t known_b = clear_b | b.mixed[i];
+      common += countBits(known_a & known_b);
+      one_sided += countBits(known_a ^ known_b);
+      opposite += countBits((a.free[i] & b.occupied[i]) | (a.occupied[i] & b.free[i]));
+      half_apart += countBits((a.mixed[i] & clear_b) | (clear_a & b.mixed[i]));
     }
     if (common < kLeastCommonCells) continue;
-    const double mean = sum / common;
-    if (!best || mean < *best) best = mean;
+    const double difference =
+        (opposite + 0.25 * half_apart + kPriorCells * kPriorDifference) / (common + kPriorCells) +
+        kOneSidedWeight * one_sided / PolarGrid::kCells + kTurnWeight * std::abs(turn);
+    if (!best || difference < *best) best = difference;
   }
   return best;
 }

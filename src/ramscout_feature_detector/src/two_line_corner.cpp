@@ -251,12 +251,10 @@ std::optional<TwoLineCorner> fitCorner(const Contour& contour,
                                        const FeatureDetectorParameters& parameters) {
   std::size_t split = near_index;
   for (int i = 0; i < kMostRecentrings; ++i) {
-    const std::size_t first =
-        std::min(contour.indexAt(contour.arc_m(split) - kSplitWindowM),
-                 split - std::min(split, kSmallestLegPoints - 1));
-    const std::size_t last =
-        std::max(contour.indexAt(contour.arc_m(split) + kSplitWindowM),
-                 std::min(split + kSmallestLegPoints, contour.size() - 1));
+    const std::size_t first = std::min(contour.indexAt(contour.arc_m(split) - kSplitWindowM),
+                                       split - std::min(split, kSmallestLegPoints - 1));
+    const std::size_t last = std::max(contour.indexAt(contour.arc_m(split) + kSplitWindowM),
+                                      std::min(split + kSmallestLegPoints, contour.size() - 1));
     if (last + 1 < first + 2 * kSmallestLegPoints) return std::nullopt;
     const std::size_t better = bestSplit(contour, first, last);
     if (better == split) break;
