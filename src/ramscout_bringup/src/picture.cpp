@@ -20,7 +20,7 @@ namespace {
 using ram_slam::OccupancyGrid;
 using ram_slam::Pose2;
 
-constexpr int kLongestEdgePixels = 1600;  // of the map at most, but a cell is at least a pixel ...
+constexpr int kLongestEdgePixels = 2400;  // of the map at most, but a cell is at least a pixel ...
 constexpr int kMostPixels = 6000;         // ... unless the picture would become longer than this
 constexpr int kLargestCellPixels = 8;
 constexpr double kMarginM = 1.0;

@@ -28,10 +28,10 @@ cv::Mat decode(const std::string& png) {
   return cv::imdecode(std::vector<unsigned char>(png.begin(), png.end()), cv::IMREAD_COLOR);
 }
 
-/// Pixel of a point of the room: 6 pixels per cell, 1 m of margin, y up.
+/// Pixel of a point of the room: 8 pixels per cell, 1 m of margin, y up.
 cv::Vec3b at(const cv::Mat& image, double x_m, double y_m) {
-  return image.at<cv::Vec3b>(static_cast<int>((6.0 + 1.0 - y_m) * 120.0),
-                             static_cast<int>((x_m + 1.0) * 120.0));
+  return image.at<cv::Vec3b>(static_cast<int>((6.0 + 1.0 - y_m) * 160.0),
+                             static_cast<int>((x_m + 1.0) * 160.0));
 }
 
 TEST(DrawPicture, HasWallsFloorPathAndLandmarksWhereTheyAre) {
@@ -60,7 +60,7 @@ TEST(DrawPicture, TruthOfAnotherFrameIsDrawnOntoThePath) {
   }
   const cv::Mat with = decode(drawPicture(results));
   EXPECT_EQ(with.size(), without.size());
-  EXPECT_NE(at(with, 5.5, 3.0 + 2.0 / 120.0), at(without, 5.5, 3.0 + 2.0 / 120.0));
+  EXPECT_NE(at(with, 5.5, 3.0 + 2.0 / 160.0), at(without, 5.5, 3.0 + 2.0 / 160.0));
 }
 
 TEST(DrawPicture, OfNothingIsStillAPicture) {
