@@ -207,4 +207,19 @@ std::optional<CorrelativeMatch> searchPose(const LikelihoodPyramid& pyramid,
   return Search(pyramid, points_in_laser, map_from_laser_centre, window).run(min_score);
 }
 
+double scorePose(const LikelihoodPyramid& pyramid,
+                 const std::vector<Eigen::Vector2f>& points_in_laser,
+                 const Pose2& map_from_laser) {
+  const Eigen::Matrix2f rotation = map_from_laser.rotation().cast<float>();
+  const Eigen::Vector2f shift = map_from_laser.translation().cast<float>() - pyramid.origin_m();
+  const auto cells_per_m = static_cast<float>(1.0 / pyramid.resolution_m());
+  unsigned sum = 0;
+  for (const Eigen::Vector2f& point : points_in_laser) {
+    const Eigen::Vector2f place = (rotation * point + shift) * cells_per_m;
+    sum += pyramid.levels().front().at(static_cast<int>(std::floor(place.x())),
+                                       static_cast<int>(std::floor(place.y())));
+  }
+  return sum / (255.0 * static_cast<double>(points_in_laser.size()));
+}
+
 }  // namespace ram_slam

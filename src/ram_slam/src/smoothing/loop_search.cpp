@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <Eigen/Eigenvalues>
+
 #include "ram_slam/scan_matching/correlative_search.hpp"
 
 namespace ram_slam {
@@ -20,7 +22,12 @@ constexpr double kFreeMarginM =
     0.25;  // so far in front of what was seen there, a point is in free space
 constexpr double kPositionReserveM = 0.5;  // searched even without drift
 constexpr double kAngleReserveRad = 0.1;
-constexpr double kWeakInformation = 100.0;  // 0.1 m, 0.1 rad
+constexpr float kTellingCrossing =
+    0.5F;  // sine of the angle between a wall and a direction it tells about
+constexpr std::size_t kMinTellingPoints = 20;
+constexpr double kLeastAmbiguousShiftM = 0.4;  // nearer, the peak itself is still high
+constexpr double kMaxRivalScore = 0.75;        // of the best score
+constexpr double kWeakInformation = 100.0;     // 0.1 m, 0.1 rad
 
 void require(bool good, const char* name, double value, const char* bound) {
   if (!good)
@@ -112,6 +119,59 @@ double freeSpaceRatio(const SurfaceScan& target,
   return visible == 0 ? 1.0 : static_cast<double>(in_free_space) / static_cast<double>(visible);
 }
 
+/// The direction in the map in which a match holds the least, whatever the yaw.
+Eigen::Vector2d weakestDirection(const Eigen::Matrix3d& information) {
+  const Eigen::Vector2d with_yaw = information.topRightCorner<2, 1>();
+  const Eigen::Matrix2d translation =
+      information.topLeftCorner<2, 2>() -
+      with_yaw * with_yaw.transpose() / std::max(information(2, 2), 1e-9);
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(translation).eigenvectors().col(0);
+}
+
+/// Points of key scans [first, last), seen from one of them, that tell where along a direction they
+/// are: not those on walls that run along it.
+std::vector<Eigen::Vector2f> tellingPoints(const std::vector<KeyScan>& key_scans,
+                                           std::size_t first,
+                                           std::size_t last,
+                                           std::size_t origin,
+                                           const Eigen::Vector2d& direction_in_origin) {
+  const Pose2 origin_from_map = key_scans[origin].map_from_laser.inverse();
+  std::vector<Eigen::Vector2f> points;
+  for (std::size_t i = first; i < last; ++i) {
+    const Pose2 origin_from_laser = origin_from_map * key_scans[i].map_from_laser;
+    const Eigen::Vector2f direction =
+        (origin_from_laser.rotation().transpose() * direction_in_origin).cast<float>();
+    for (const SurfacePoint& point : key_scans[i].surfaces.points) {
+      const float crossing =
+          std::abs(point.normal_x * direction.x() + point.normal_y * direction.y());
+      if (point.hasNormal() && crossing < kTellingCrossing) continue;
+      if (std::hypot(point.x_m, point.y_m) > kUsedRangeM) continue;
+      points.push_back((origin_from_laser * Eigen::Vector2d(point.x_m, point.y_m)).cast<float>());
+    }
+  }
+  return points;
+}
+
+/// Whether the place would look (nearly) as familiar from elsewhere along a direction, up to a
+/// distance to each side: a corridor between two doors, a row of doors.
+bool isAmbiguous(const LikelihoodPyramid& place,
+                 const std::vector<Eigen::Vector2f>& telling_points,
+                 const Pose2& map_from_laser,
+                 const Eigen::Vector2d& direction,
+                 double distance_m) {
+  if (telling_points.size() < kMinTellingPoints) return true;
+  const auto scoreAt = [&](double shift_m) {
+    const Pose2 shifted{map_from_laser.x_m + shift_m * direction.x(),
+                        map_from_laser.y_m + shift_m * direction.y(), map_from_laser.yaw_rad};
+    return scorePose(place, telling_points, shifted);
+  };
+  const double best = scoreAt(0.0);
+  for (double shift_m = kLeastAmbiguousShiftM; shift_m <= distance_m; shift_m += kResolutionM) {
+    if (std::max(scoreAt(shift_m), scoreAt(-shift_m)) > kMaxRivalScore * best) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void LoopSearchParameters::validate() const {
@@ -173,7 +233,8 @@ std::optional<LoopMatch> verifyLoop(const std::vector<KeyScan>& key_scans,
                                     const ScanMatcherParameters& matcher,
                                     const LoopSearchParameters& parameters) {
   const auto [old_first, old_last] = neighbours(candidate, newest, parameters.neighbour_count);
-  const auto [new_first, new_last] = neighbours(newest, newest + 1, parameters.neighbour_count);
+  const auto [new_first, new_last] =
+      neighbours(newest, key_scans.size(), parameters.neighbour_count);
   if (old_last > new_first) return std::nullopt;
 
   std::vector<Eigen::Vector2f> place;
@@ -219,13 +280,27 @@ std::optional<LoopMatch> verifyLoop(const std::vector<KeyScan>& key_scans,
     return std::nullopt;
   }
 
+  const Eigen::Vector2d weakest = weakestDirection(there.information);
+  const Eigen::Vector2d weakest_in_new = there.map_from_laser.rotation().transpose() * weakest;
+  const std::vector<Eigen::Vector2f> telling =
+      tellingPoints(key_scans, new_first, new_last, newest, weakest_in_new);
   LoopMatch loop;
+  loop.is_ambiguous =
+      isAmbiguous(pyramid, telling, there.map_from_laser, weakest, window.distance_m);
+  Eigen::Matrix3d information = there.information;
+  if (loop.is_ambiguous) {
+    // Nothing is known along the weakest direction u: information - (information u) (information
+    // u)^T / u^T information u.
+    const Eigen::Vector3d u(weakest.x(), weakest.y(), 0.0);
+    const Eigen::Vector3d known = information * u;
+    information -= known * known.transpose() / std::max(u.dot(known), 1e-9);
+  }
   loop.edge.from = candidate;
   loop.edge.to = newest;
   loop.edge.from_from_to = old_from_new;
   Eigen::Matrix3d old_axes = Eigen::Matrix3d::Identity();
   old_axes.topLeftCorner<2, 2>() = old_key.map_from_laser.rotation();
-  loop.edge.information = old_axes.transpose() * there.information * old_axes;
+  loop.edge.information = old_axes.transpose() * information * old_axes;
   loop.edge.may_be_false = true;
   loop.score = found->score;
   loop.inlier_ratio = there.inlier_ratio;

@@ -23,6 +23,11 @@ constexpr double kSolveBeyondM =
     0.1;  // a closure that moves the newest pose by more is solved for at once
 constexpr double kSolveBeyondRad = 0.03;
 constexpr double kMinTrust = 0.5;
+constexpr std::size_t kSamePlaceKeys =
+    10;  // a refused closure is not found again so many key scans beside
+constexpr int kMaxSweeps = 2;
+constexpr double kSweepPathM =
+    30.0;  // once all loops found are closed, no pose has drifted by more path than this
 
 void requirePositive(const char* name, double value) {
   if (!(value > 0.0))
@@ -39,6 +44,16 @@ Eigen::Vector2d viewCentre(const SurfaceScan& surfaces) {
     count += 1.0;
   }
   return count > 0.0 ? Eigen::Vector2d(sum / count) : sum;
+}
+
+/// (C + D)^-1 for D = diag(deviations^2), from C^-1, which may be singular: walls leave directions
+/// open.
+Eigen::Matrix3d withFloor(const Eigen::Matrix3d& information,
+                          double deviation_m,
+                          double deviation_rad) {
+  const Eigen::Vector3d deviations(deviation_m, deviation_m, deviation_rad);
+  const Eigen::Matrix3d floor = deviations.cwiseAbs2().asDiagonal();
+  return information * (Eigen::Matrix3d::Identity() + floor * information).inverse();
 }
 
 }  // namespace
@@ -59,6 +74,8 @@ void MapSmootherParameters::validate() const {
   requirePositive("motion_deviation_rad_per_rad", motion_deviation_rad_per_rad);
   requirePositive("match_deviation_m", match_deviation_m);
   requirePositive("match_deviation_rad", match_deviation_rad);
+  requirePositive("closure_deviation_m", closure_deviation_m);
+  requirePositive("closure_deviation_rad", closure_deviation_rad);
 }
 
 MapSmootherParameters readMapSmootherParameters(ram_parameters::ParameterReader& reader) {
@@ -84,6 +101,8 @@ MapSmootherParameters readMapSmootherParameters(ram_parameters::ParameterReader&
   reader.read("motion_deviation_rad_per_rad", parameters.motion_deviation_rad_per_rad);
   reader.read("match_deviation_m", parameters.match_deviation_m);
   reader.read("match_deviation_rad", parameters.match_deviation_rad);
+  reader.read("closure_deviation_m", parameters.closure_deviation_m);
+  reader.read("closure_deviation_rad", parameters.closure_deviation_rad);
   reader.read("loop_search_distance_m", parameters.loop_search_distance_m);
   reader.read("loop_min_path_m", parameters.loops.min_path_m);
   reader.read("loop_max_view_distance_m", parameters.loops.max_view_distance_m);
@@ -128,7 +147,7 @@ void MapSmoother::addScan(const LaserScan& scan,
     addKeyScan(scan.stamp_ns, extractSurfaces(scan, parameters_.surfaces), base_from_laser,
                odom_from_base);
     if (key_scans_.back().path_m - searched_path_m_ >= parameters_.loop_search_distance_m)
-      searchLoops();
+      searchLoops(key_scans_.size() - 1, std::numeric_limits<double>::infinity());
   }
   scans_.push_back({scan.stamp_ns, key_scans_.size() - 1, odom_from_base});
 }
@@ -170,7 +189,8 @@ void MapSmoother::addKeyScan(std::int64_t stamp_ns,
       matchScan(key_scans_.back().surfaces, {{&last.surfaces, Pose2{}}},
                 {edge.from_from_to, edge.information}, edge.from_from_to, parameters_.matcher);
   edge.from_from_to = match.map_from_laser;
-  edge.information = withFloor(edge.information + match.information);
+  edge.information = withFloor(edge.information + match.information, parameters_.match_deviation_m,
+                               parameters_.match_deviation_rad);
   motion_.push_back(edge);
   key_scans_.back().map_from_laser = last.map_from_laser * edge.from_from_to;
 }
@@ -191,22 +211,26 @@ PoseEdge MapSmoother::motionEdge(std::size_t to) const {
   return edge;
 }
 
-Eigen::Matrix3d MapSmoother::withFloor(const Eigen::Matrix3d& information) const {
-  const double translation = parameters_.match_deviation_m * parameters_.match_deviation_m;
-  const double rotation = parameters_.match_deviation_rad * parameters_.match_deviation_rad;
-  const Eigen::Matrix3d floor = Eigen::Vector3d(translation, translation, rotation).asDiagonal();
-  // (C + floor)^-1 without C, which does not exist where the walls leave a direction open.
-  return information * (Eigen::Matrix3d::Identity() + floor * information).inverse();
+bool MapSmoother::isRefused(std::size_t from, std::size_t to) const {
+  const auto near = [](std::size_t a, std::size_t b) {
+    return (a > b ? a - b : b - a) <= kSamePlaceKeys;
+  };
+  return std::any_of(closures_.begin(), closures_.end(), [&](const LoopClosure& closure) {
+    return closure.state == ClosureState::kRefused && near(closure.edge.from, from) &&
+           near(closure.edge.to, to);
+  });
 }
 
-void MapSmoother::searchLoops() {
-  const std::size_t newest = key_scans_.size() - 1;
+bool MapSmoother::searchLoops(std::size_t newest, double max_path_m) {
   searched_path_m_ = key_scans_[newest].path_m;
-  std::vector<double> paths_m = pathsToNewest();
+  std::vector<double> paths_m = pathsTo(newest);
+  for (double& path_m : paths_m) path_m = std::min(path_m, max_path_m);
   std::vector<std::size_t> candidates =
       findLoopCandidates(key_scans_, newest, paths_m, parameters_.loops);
   if (candidates.size() > kVerifiedCandidates) candidates.resize(kVerifiedCandidates);
+  bool found = false;
   for (const std::size_t candidate : candidates) {
+    if (isRefused(candidate, newest)) continue;
     const auto match = verifyLoop(key_scans_, candidate, newest, paths_m[candidate],
                                   parameters_.matcher, parameters_.loops);
     if (!match) continue;
@@ -216,17 +240,21 @@ void MapSmoother::searchLoops() {
     closure.old_stamp_ns = key_scans_[candidate].stamp_ns;
     closure.new_stamp_ns = key_scans_[newest].stamp_ns;
     closure.edge = match->edge;
-    closure.edge.information = withFloor(closure.edge.information);
+    closure.edge.information = withFloor(closure.edge.information, parameters_.closure_deviation_m,
+                                         parameters_.closure_deviation_rad);
     closure.score = match->score;
     closure.inlier_ratio = match->inlier_ratio;
+    closure.is_ambiguous = match->is_ambiguous;
     closure.correction_m = correction.translation().norm();
     closures_.push_back(closure);
     if (closure.correction_m > kSolveBeyondM || std::abs(correction.yaw_rad) > kSolveBeyondRad)
       solveGraph();
+    found = true;
   }
+  return found;
 }
 
-std::vector<double> MapSmoother::pathsToNewest() const {
+std::vector<double> MapSmoother::pathsTo(std::size_t node_sought) const {
   std::vector<std::vector<std::pair<std::size_t, double>>> neighbours(key_scans_.size());
   const auto connect = [&](std::size_t a, std::size_t b, double length_m) {
     neighbours[a].emplace_back(b, length_m);
@@ -235,14 +263,14 @@ std::vector<double> MapSmoother::pathsToNewest() const {
   for (std::size_t i = 1; i < key_scans_.size(); ++i)
     connect(i - 1, i, key_scans_[i].path_m - key_scans_[i - 1].path_m);
   for (const LoopClosure& closure : closures_) {
-    if (closure.state == ClosureState::kAccepted)
+    if (closure.state == ClosureState::kAccepted && !closure.is_ambiguous)
       connect(closure.edge.from, closure.edge.to, kClosurePathM);
   }
   std::vector<double> length_m(key_scans_.size(), std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  length_m.back() = 0.0;
-  queue.emplace(0.0, key_scans_.size() - 1);
+  length_m[node_sought] = 0.0;
+  queue.emplace(0.0, node_sought);
   while (!queue.empty()) {
     const auto [length, node] = queue.top();
     queue.pop();
@@ -277,9 +305,24 @@ void MapSmoother::solveGraph() {
   }
 }
 
+void MapSmoother::sweepLoops() {
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+    bool found = false;
+    double searched_path_m = 0.0;
+    for (std::size_t key = 0; key < key_scans_.size(); ++key) {
+      if (key_scans_[key].path_m - searched_path_m < parameters_.loop_search_distance_m) continue;
+      searched_path_m = key_scans_[key].path_m;
+      found = searchLoops(key, kSweepPathM) || found;
+    }
+    if (!found) return;
+    solveGraph();
+  }
+}
+
 void MapSmoother::optimize() {
   if (key_scans_.empty()) return;
   solveGraph();
+  sweepLoops();
   std::vector<PoseEdge> priors;
   for (std::size_t to = 1; to < key_scans_.size(); ++to) priors.push_back(motionEdge(to));
   const std::vector<Pose2> refined =

@@ -130,7 +130,9 @@ std::vector<Pose2> solve(const std::vector<PoseEdge>& edges,
   ceres::Problem problem;
   for (const PoseEdge& edge : edges) {
     ceres::LossFunction* kernel =
-        edge.may_be_false ? new DynamicCovarianceScaling(tolerance_chi2) : nullptr;
+        edge.may_be_false
+            ? static_cast<ceres::LossFunction*>(new DynamicCovarianceScaling(tolerance_chi2))
+            : nullptr;
     problem.AddResidualBlock(new EdgeCost(edge), kernel, poses[edge.from].data(),
                              poses[edge.to].data());
   }

@@ -11,8 +11,6 @@
 namespace ram_slam {
 namespace {
 
-using ::testing::Each;
-using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -121,10 +119,13 @@ TEST(MapSmoother, RefusingAndAcceptingAClosureAgainRestoresTheTrajectory) {
   MapSmoother smoother = smoothed(building(), truth, drifting(truth));
   smoother.optimize();
   const double error = rmsError(smoother.trajectory(), truth);
-  for (std::size_t i = 0; i < smoother.closures().size(); ++i) smoother.refuseClosure(i);
+  const std::size_t count = smoother.closures().size();
+  ASSERT_GT(count, 0u);
+  for (std::size_t i = 0; i < count; ++i) smoother.refuseClosure(i);
   smoother.optimize();
-  EXPECT_THAT(smoother.closures(), Each(Field(&LoopClosure::state, ClosureState::kRefused)));
-  for (std::size_t i = 0; i < smoother.closures().size(); ++i) smoother.acceptClosure(i);
+  for (std::size_t i = 0; i < count; ++i)
+    EXPECT_EQ(smoother.closures()[i].state, ClosureState::kRefused);
+  for (std::size_t i = 0; i < count; ++i) smoother.acceptClosure(i);
   smoother.optimize();
   EXPECT_NEAR(rmsError(smoother.trajectory(), truth), error, 0.002);
   EXPECT_THROW(smoother.refuseClosure(100000), std::out_of_range);

@@ -71,4 +71,9 @@ std::optional<CorrelativeMatch> searchPose(const LikelihoodPyramid& pyramid,
                                            const SearchWindow& window,
                                            double min_score);
 
+/// Mean likelihood, 0 .. 1, of points at one pose; `points_in_laser` must not be empty.
+double scorePose(const LikelihoodPyramid& pyramid,
+                 const std::vector<Eigen::Vector2f>& points_in_laser,
+                 const Pose2& map_from_laser);
+
 }  // namespace ram_slam

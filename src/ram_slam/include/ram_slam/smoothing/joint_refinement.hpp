@@ -16,7 +16,7 @@ struct RefinementParameters {
   int loop_neighbour_count =
       4;  ///< key scans of other passages that each one is paired with, at most
   double max_view_distance_m = 2.5;  ///< between what two scans look at
-  double max_angle_rad = 1.2;        ///< between their headings
+  double max_angle_rad = 3.2;        ///< between their headings
   double min_inlier_ratio =
       0.4;  ///< share of points that find a partner; pairs of scans below say nothing
 

@@ -38,6 +38,9 @@ struct LoopMatch {
   PoseEdge edge;  ///< from the old key scan to the new one, between laser poses
   double score = 0.0;
   double inlier_ratio = 0.0;
+  /// The place would look as familiar from elsewhere along a corridor; the edge then says nothing
+  /// in that direction.
+  bool is_ambiguous = false;
 };
 
 /// Key scans before `newest` that may see the same place, one of each passage, the most promising

@@ -33,10 +33,13 @@ struct MapSmootherParameters {
   double motion_deviation_m_per_m = 0.05;
   double motion_deviation_rad_per_m = 0.03;
   double motion_deviation_rad_per_rad = 0.05;
-  /// Standard deviation, at rest and per metre, of what two scans tell about the motion between
-  /// them: what their noise does not explain (moving things, scans out of the plane).
+  /// Standard deviation of what two scans tell about the pose between them beyond what their noise
+  /// explains (moving things, scans out of the plane): of successive key scans, and of a closed
+  /// loop, where the views differ more.
   double match_deviation_m = 0.005;
   double match_deviation_rad = 0.003;
+  double closure_deviation_m = 0.03;
+  double closure_deviation_rad = 0.01;
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
@@ -60,6 +63,7 @@ struct LoopClosure {
   double score = 0.0;         ///< of the dense search
   double inlier_ratio = 0.0;  ///< of the alignment
   double correction_m = 0.0;  ///< how far it moved the newest pose when it was found
+  bool is_ambiguous = false;  ///< along a corridor; the edge then holds the other directions only
   ClosureState state = ClosureState::kAccepted;
 };
 
@@ -87,8 +91,8 @@ public:
 
   const std::vector<LoopClosure>& closures() const { return closures_; }
 
-  /// Takes a closure back, or a refusal; takes effect with the next optimize().
-  /// \throws std::out_of_range if there is no such closure
+  /// Takes a closure back, or a refusal; takes effect with the next optimize(). A refused closure
+  /// is not found again. \throws std::out_of_range if there is no such closure
   void refuseClosure(std::size_t index);
   void acceptClosure(std::size_t index);
 
@@ -110,9 +114,12 @@ private:
                   const Pose2& base_from_laser,
                   const Pose2& odom_from_base);
   PoseEdge motionEdge(std::size_t to) const;
-  Eigen::Matrix3d withFloor(const Eigen::Matrix3d& information) const;
-  void searchLoops();
-  std::vector<double> pathsToNewest() const;
+  /// Looks for places that key scan `newest` shares with earlier ones, as if drifted by at most so
+  /// much path.
+  bool searchLoops(std::size_t newest, double max_path_m);
+  bool isRefused(std::size_t from, std::size_t to) const;
+  void sweepLoops();
+  std::vector<double> pathsTo(std::size_t key) const;
   PoseGraph laserGraph() const;
   void solveGraph();
 
