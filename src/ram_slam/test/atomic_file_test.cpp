@@ -8,7 +8,9 @@
 #include <system_error>
 
 #include <gmock/gmock.h>
+#include <signal.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 namespace ram_slam {
@@ -57,6 +59,27 @@ TEST_F(AtomicFile, FullDiskKeepsTheOldFileAndLeavesNothingBehind) {
   EXPECT_EQ(fileCount(), 1);
   // A device that is always full: the write itself fails.
   EXPECT_THROW(writeFileAtomically("/dev/full/file", "x"), std::system_error);
+}
+
+TEST_F(AtomicFile, WriterKilledAtAnyMomentLeavesTheOldFileOrTheNewOne) {
+  const std::string old_content(300000, 'o');
+  const std::string new_content(400000, 'n');
+  writeFileAtomically(path("file"), old_content);
+  for (int attempt = 0; attempt < 60; ++attempt) {
+    const pid_t writer = ::fork();
+    ASSERT_GE(writer, 0);
+    if (writer == 0) {
+      for (;;) {
+        writeFileAtomically(path("file"), new_content);
+        writeFileAtomically(path("file"), old_content);
+      }
+    }
+    ::usleep(static_cast<useconds_t>(300 * attempt));
+    ::kill(writer, SIGKILL);
+    ::waitpid(writer, nullptr, 0);
+    const std::string content = readWholeFile(path("file"), 1000000);
+    ASSERT_TRUE(content == old_content || content == new_content) << attempt;
+  }
 }
 
 TEST_F(AtomicFile, FailuresNameTheFileAndTheSystemsReason) {

@@ -4,6 +4,7 @@ import math
 import os
 import shutil
 import sys
+import threading
 import time
 import unittest
 
@@ -176,6 +177,21 @@ class OccupancyMapperNode(unittest.TestCase):
             self.assertFalse(self.save_map(name).success, name)
         self.assertEqual(sorted(os.listdir(self.folder)), ["office-1.pgm", "office-1.yaml"])
         self.assertFalse(os.path.exists(os.path.join(self.folder, "../escape.pgm")))
+
+    def test_saves_at_the_same_time_are_all_whole(self):
+        self.see(100.0, 0.025)
+        self.assertTrue(wait_until(lambda: self.grid().info.width > 0))
+        answers = []
+        savers = [threading.Thread(target=lambda: answers.append(self.save_map("shared"))) for _ in range(8)]
+        for saver in savers:
+            saver.start()
+        for saver in savers:
+            saver.join()
+        self.assertEqual([answer.success for answer in answers], [True] * 8, answers)
+        grid = self.grid()
+        with open(os.path.join(self.folder, "shared.pgm"), "rb") as file:
+            self.assertEqual(len(file.read().split(b"255\n", 1)[1]), grid.info.width * grid.info.height)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["shared.pgm", "shared.yaml"])
 
     def test_save_that_fails_says_why(self):
         self.see(100.0, 0.025)
