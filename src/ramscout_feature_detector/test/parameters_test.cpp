@@ -41,6 +41,14 @@ TEST(Parameters, ShippedFileHoldsTheDefaults) {
   EXPECT_EQ(shipped.base_frame, defaults.base_frame);
 }
 
+TEST(Parameters, PresetsOfSensorsAreAccepted) {
+  for (const char* name : {"hokuyo_urg04lx", "hokuyo_utm30lx", "rplidar_a1", "sick_lms"}) {
+    const std::string path = std::string(PRESET_FOLDER) + "/" + name + ".yaml";
+    ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
+    EXPECT_NO_THROW(readFeatureDetectorParameters(reader)) << path;
+  }
+}
+
 class Refused : public testing::TestWithParam<const char*> {};
 
 TEST_P(Refused, IsRefused) {
