@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <thread>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "ram_slam/random.hpp"
@@ -370,6 +372,55 @@ TEST(CheckedCovariance, RepairsRoundingAndRefusesTheRest) {
   Eigen::Matrix3d infinite = good;
   infinite(2, 2) = std::numeric_limits<double>::infinity();
   EXPECT_THROW(checkedCovariance(infinite), std::invalid_argument);
+}
+
+/// Odometry with jumps, resets, repetitions, gaps, disorder and clocks set back, as bad as random
+/// numbers make it.
+TEST(Kinematics, AnswersNothingThatIsNotFiniteWhateverOdometryBrings) {
+  int answers = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    ram_slam::Random random(seed);
+    Kinematics kinematics{KinematicsParameters()};
+    double time_s = 20.0;
+    Pose2 pose;
+    for (int i = 0; i < 300; ++i) {
+      const double fate = random.uniform();
+      time_s += fate < 0.02 ? 20.0 * random.uniform() - 10.0 : 0.05 * (random.uniform() - 0.2);
+      if (fate > 0.9)
+        pose = pose * Pose2{random.gaussian() * std::exp(10.0 * random.gaussian()), 0.0,
+                            random.gaussian()};
+      if (fate > 0.99) pose = {1e300, -1e300, 1e9};
+      if (fate > 0.98 && fate < 0.99) pose = {};
+      kinematics.add({after(time_s), pose, {random.gaussian(), 0.0, random.gaussian()}});
+      const double from_s = time_s - 2.0 * random.uniform();
+      try {
+        const PoseWithCovariance2 motion =
+            kinematics.motion(after(from_s), after(from_s + 1.5 * random.uniform()));
+        ++answers;
+        EXPECT_TRUE(motion.pose.isFinite());
+        EXPECT_TRUE(motion.covariance.allFinite());
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(motion.covariance);
+        EXPECT_GE(eigen.eigenvalues().minCoeff(), -1e-9 * motion.covariance.trace());
+      } catch (const OdometryUnavailable&) {
+        continue;
+      }
+    }
+  }
+  EXPECT_GT(answers, 10000);
+}
+
+TEST(Kinematics, AnswersWhileOdometryIsAdded) {
+  Kinematics kinematics{KinematicsParameters()};
+  const auto samples = drive({1.0, 0.0, 0.3}, 20.0, 0.01);
+  const auto half = samples.begin() + 1000;
+  addAll(kinematics, {samples.begin(), half});
+  std::thread adder([&] { addAll(kinematics, {half, samples.end()}); });
+  for (int i = 0; i < 1000; ++i) {
+    const std::int64_t to_ns = kinematics.newestNs();
+    expectNear(kinematics.motion(to_ns - 1'000'000'000, to_ns).pose,
+               ram_slam::exponential(Eigen::Vector3d(1.0, 0.0, 0.3)), 1e-6);
+  }
+  adder.join();
 }
 
 ram_parameters::ParameterReader reader(const std::string& yaml) {
