@@ -283,7 +283,7 @@ void FastSlamNode::publishPose() {
   geometry_msgs::PoseArray particles;
   particles.header = pose.header;
   for (const ram_slam::Particle& particle : filter_->particles()) {
-    particles.poses.push_back(toPoseMessage(particle.map_from_base));
+    particles.poses.push_back(toPoseMessage(particle.proposal.pose));
   }
   particles_.publish(particles);
 }

@@ -30,7 +30,7 @@ public:
         landmarks_(landmarks),
         parameters_(parameters),
         log_unknown_density_(std::log(parameters.unknown_feature_density)),
-        has_candidate_(observations.size(), false) {
+        is_near_(observations.size(), false) {
     evidence_.map_from_base = map_from_base;
     evidence_.associations.resize(observations.size());
   }
@@ -46,7 +46,7 @@ public:
 
   Evidence finish() {
     for (std::size_t i = 0; i < observations_.size(); ++i) {
-      if (evidence_.associations[i].verdict != Verdict::kMatched && !has_candidate_[i] &&
+      if (evidence_.associations[i].verdict != Verdict::kMatched && !is_near_[i] &&
           standsAlone(i)) {
         evidence_.associations[i].verdict = Verdict::kNew;
       }
@@ -61,14 +61,15 @@ private:
     candidates_.clear();
     for (std::size_t i = 0; i < observations_.size(); ++i) {
       if (evidence_.associations[i].verdict == Verdict::kMatched) continue;
-      has_candidate_[i] = false;
+      is_near_[i] = false;
       for (const Prospect& prospect : observations_[i].prospects) {
         const Landmark* landmark = landmarks_.find(prospect.id);
         if (landmark == nullptr || isMatched(evidence_.associations, prospect.id)) continue;
         const Innovation found =
             innovation(evidence_.map_from_base, *landmark, observations_[i].measured);
-        if (!(found.squaredMahalanobis() < parameters_.association_gate)) continue;
-        has_candidate_[i] = true;
+        const double squared_mahalanobis = found.squaredMahalanobis();
+        if (squared_mahalanobis < parameters_.creation_gate) is_near_[i] = true;
+        if (!(squared_mahalanobis < parameters_.association_gate)) continue;
         candidates_.push_back({i, prospect.id, score(found, prospect)});
       }
     }
@@ -109,7 +110,7 @@ private:
       if ((landmark->mean_m - place_m).norm() >= parameters_.minimum_feature_separation) continue;
       if (!isMatched(evidence_.associations, prospect.id)) return false;
       const Innovation apart = innovation(evidence_.map_from_base.pose, *landmark, measured);
-      if (apart.squaredMahalanobis() < parameters_.association_gate) return false;
+      if (apart.squaredMahalanobis() < parameters_.creation_gate) return false;
     }
     return !isDuplicate(i);
   }
@@ -119,9 +120,10 @@ private:
     const PointMeasurement& measured = observations_[i].measured;
     for (std::size_t j = 0; j < i; ++j) {
       if (evidence_.associations[j].verdict != Verdict::kNew) continue;
+      if (observations_[j].type != observations_[i].type) continue;
       const PointMeasurement& other = observations_[j].measured;
       const Landmark there{other.position_m, other.covariance_m2};
-      if (innovation(Pose2{}, there, measured).squaredMahalanobis() < parameters_.association_gate)
+      if (innovation(Pose2{}, there, measured).squaredMahalanobis() < parameters_.creation_gate)
         return true;
     }
     return false;
@@ -131,7 +133,7 @@ private:
   const LandmarkTree& landmarks_;
   const FastSlamParameters& parameters_;
   double log_unknown_density_;
-  std::vector<bool> has_candidate_;
+  std::vector<bool> is_near_;
   std::vector<Candidate> candidates_;
   Evidence evidence_;
 };

@@ -48,6 +48,11 @@ Pose2 draw(const PoseWithCovariance2& from, Random random) {
           wrapAngle(from.pose.yaw_rad + noise.z())};
 }
 
+std::size_t largest(const std::vector<double>& weights) {
+  return static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) -
+                                  weights.begin());
+}
+
 Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
   return {a.x_m - b.x_m, a.y_m - b.y_m, wrapAngle(a.yaw_rad - b.yaw_rad)};
 }
@@ -75,7 +80,7 @@ void FastSlam::setPose(const PoseWithCovariance2& map_from_base) {
   }
   best_ = 0;
   estimate_ = map_from_base;
-  last_evidence_pose_ = map_from_base.pose;
+  since_learning_ = {};
 }
 
 void FastSlam::update(const FeatureList& list, const MotionModel& motion, const FieldOfView* view) {
@@ -88,16 +93,29 @@ void FastSlam::update(const FeatureList& list, const MotionModel& motion, const 
   const std::vector<DescriptorPointer> descriptors = describe(list);
   const Step moved = step(list.stamp_ns, motion);
   // From here on nothing fails.
+  const bool learns = isDue(list, moved);
   stamp_ns_ = list.stamp_ns;
   ++update_count_;
+  since_learning_ = moved.motion;
   move(moved);
   const std::vector<Observation> observations = observe(list, descriptors);
   const std::vector<Evidence> evidence = weigh(observations);
-  updateEstimate();
-  updateMaps(list, descriptors, observations, evidence);
-  rate(evidence[best_]);
-  collectEvidence(view);
-  resample();
+  if (learns) {
+    learned_ns_ = stamp_ns_;
+    since_learning_ = {};
+    drawPoses(evidence);
+    updateMaps(list, descriptors, observations, evidence);
+    collectEvidence(view);
+    resample();
+  }
+}
+
+bool FastSlam::isDue(const FeatureList& list, const Step& step) const {
+  if (parameters_.mode == FastSlamMode::kFastSlam1 || learned_ns_ == 0) return true;
+  const Pose2& moved = step.motion.pose;
+  return !list.features.empty() && (list.stamp_ns == learned_ns_ ||
+                                    moved.translation().norm() >= parameters_.update_distance ||
+                                    std::abs(moved.yaw_rad) >= parameters_.update_angle);
 }
 
 std::vector<DescriptorPointer> FastSlam::describe(const FeatureList& list) const {
@@ -113,11 +131,10 @@ std::vector<DescriptorPointer> FastSlam::describe(const FeatureList& list) const
 
 FastSlam::Step FastSlam::step(std::int64_t stamp_ns, const MotionModel& motion) const {
   Step result;
-  if (!started() || stamp_ns == stamp_ns_) {
-    for (const Particle& particle : particles_)
-      result.map_from_base.push_back(particle.map_from_base);
-  } else if (parameters_.mode == FastSlamMode::kFastSlam2) {
-    result.motion = motion.motion(stamp_ns_, stamp_ns);
+  result.motion = since_learning_;
+  if (!started() || stamp_ns == stamp_ns_) return result;
+  if (parameters_.mode == FastSlamMode::kFastSlam2) {
+    result.motion = since_learning_ * motion.motion(stamp_ns_, stamp_ns);
     if (!result.motion.pose.isFinite() || !result.motion.covariance.allFinite()) {
       throw std::invalid_argument("the motion model gives a motion that is not finite");
     }
@@ -150,12 +167,13 @@ void FastSlam::move(const Step& step) {
 
 std::vector<Observation> FastSlam::observe(
     const FeatureList& list, const std::vector<DescriptorPointer>& descriptors) const {
-  const double gate = std::sqrt(parameters_.association_gate);
+  const double gate = std::sqrt(parameters_.creation_gate);
   const Eigen::Matrix2d floor_m2 = parameters_.feature_noise_floor *
                                    parameters_.feature_noise_floor * Eigen::Matrix2d::Identity();
   std::vector<Observation> observations(list.features.size());
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const Feature& feature = list.features[i];
+    observations[i].type = feature.type;
     observations[i].measured = {feature.position_m, feature.covariance_m2 + floor_m2};
     Eigen::AlignedBox2d places_m;
     double pose_variance_m2 = 0.0;
@@ -187,26 +205,36 @@ std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observatio
   const bool version2 = parameters_.mode == FastSlamMode::kFastSlam2;
   std::vector<Evidence> evidence;
   evidence.reserve(particles_.size());
-  for (std::size_t i = 0; i < particles_.size(); ++i) {
-    Particle& particle = particles_[i];
+  std::vector<double> log_weights;
+  for (Particle& particle : particles_) {
     evidence.push_back(
         version2 ? associate(observations, particle.landmarks, particle.proposal, parameters_)
                  : associateByDistance(observations, particle.landmarks, particle.proposal.pose,
                                        parameters_));
     particle.proposal = evidence.back().map_from_base;
-    particle.log_weight += evidence.back().log_likelihood_ratio;
+    particle.path.append({stamp_ns_, particle.proposal.pose});
+    log_weights.push_back(particle.log_weight + evidence.back().log_likelihood_ratio);
+  }
+  const std::vector<double> weights = normalisedWeights(log_weights);
+  updateEstimate(weights);
+  quality_.effective_fraction = effectiveCount(weights) / static_cast<double>(weights.size());
+  rate(evidence[largest(weights)]);
+  return evidence;
+}
+
+void FastSlam::drawPoses(const std::vector<Evidence>& evidence) {
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    Particle& particle = particles_[i];
+    particle.log_weight += evidence[i].log_likelihood_ratio;
     particle.map_from_base = draw(particle.proposal, Random(parameters_.seed, update_count_, i));
     particle.path.append({stamp_ns_, particle.map_from_base});
   }
   const std::vector<double> weights = this->weights();
-  best_ =
-      static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
+  best_ = largest(weights);
   // Relative to the best, so that they stay in range.
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     particles_[i].log_weight = std::log(weights[i] / weights[best_]);
   }
-  quality_.effective_fraction = effectiveCount(weights) / static_cast<double>(weights.size());
-  return evidence;
 }
 
 std::vector<double> FastSlam::weights() const {
@@ -216,9 +244,8 @@ std::vector<double> FastSlam::weights() const {
   return normalisedWeights(log_weights);
 }
 
-void FastSlam::updateEstimate() {
-  const std::vector<double> weights = this->weights();
-  const Pose2& reference = particles_[best_].proposal.pose;
+void FastSlam::updateEstimate(const std::vector<double>& weights) {
+  const Pose2& reference = particles_[largest(weights)].proposal.pose;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     mean += weights[i] * difference(particles_[i].proposal.pose, reference);
@@ -267,7 +294,7 @@ void FastSlam::updateMaps(const FeatureList& list,
   }
   for (const auto& [id, weight] : matched_weights) {
     LandmarkRecord& record = *registry_.find(id);
-    record.matched_weight = std::max(record.matched_weight, weight);
+    record.matched_weight = weight;
     refreshBounds(record);
   }
   rememberViews(descriptors, evidence[best_].associations);
@@ -302,7 +329,7 @@ void FastSlam::rememberViews(const std::vector<DescriptorPointer>& descriptors,
 }
 
 void FastSlam::refreshBounds(LandmarkRecord& record) const {
-  const double gate = std::sqrt(parameters_.association_gate);
+  const double gate = std::sqrt(parameters_.creation_gate);
   record.bounds_m.setEmpty();
   for (const Particle& particle : particles_) {
     const Landmark* landmark = particle.landmarks.find(record.id);
@@ -329,12 +356,6 @@ void FastSlam::rate(const Evidence& evidence) {
 }
 
 void FastSlam::collectEvidence(const FieldOfView* view) {
-  const Eigen::Vector3d moved = difference(estimate_.pose, last_evidence_pose_);
-  if (moved.head<2>().norm() < parameters_.evidence_distance &&
-      std::abs(moved.z()) < parameters_.evidence_angle) {
-    return;
-  }
-  last_evidence_pose_ = estimate_.pose;
   const double seen =
       std::log(parameters_.detection_probability / parameters_.false_detection_probability);
   const std::vector<double> weights = this->weights();

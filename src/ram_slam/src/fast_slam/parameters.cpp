@@ -60,6 +60,7 @@ void FastSlamParameters::validate() const {
   requireWithin("future_interpol", future_interpol, 0.0, 10.0);
   requireWithin("seed", seed, 0, std::numeric_limits<int>::max());
   requirePositive("association_gate", association_gate);
+  requireWithin("creation_gate", creation_gate, association_gate, kInfinity);
   requireWithin("ambiguity_margin", ambiguity_margin, 0.0, kInfinity);
   requirePositive("unknown_feature_density", unknown_feature_density);
   requireWithin("feature_noise_floor", feature_noise_floor, 0.0, kInfinity);
@@ -73,8 +74,8 @@ void FastSlamParameters::validate() const {
   require(delete_log_odds < 0.0, "delete_log_odds", delete_log_odds, "< 0");
   require(delete_log_odds < confirm_log_odds, "confirm_log_odds", confirm_log_odds,
           "> delete_log_odds");
-  requireWithin("evidence_distance", evidence_distance, 0.0, kInfinity);
-  requireWithin("evidence_angle", evidence_angle, 0.0, kInfinity);
+  requireWithin("update_distance", update_distance, 0.0, kInfinity);
+  requireWithin("update_angle", update_angle, 0.0, kInfinity);
 }
 
 FastSlamParameters readFastSlamParameters(ram_parameters::ParameterReader& reader) {
@@ -87,6 +88,7 @@ FastSlamParameters readFastSlamParameters(ram_parameters::ParameterReader& reade
   reader.read("mode", mode);
   reader.read("seed", parameters.seed);
   reader.read("association_gate", parameters.association_gate);
+  reader.read("creation_gate", parameters.creation_gate);
   reader.read("ambiguity_margin", parameters.ambiguity_margin);
   reader.read("unknown_feature_density", parameters.unknown_feature_density);
   reader.read("feature_noise_floor", parameters.feature_noise_floor);
@@ -96,8 +98,8 @@ FastSlamParameters readFastSlamParameters(ram_parameters::ParameterReader& reade
   reader.read("confirm_log_odds", parameters.confirm_log_odds);
   reader.read("delete_log_odds", parameters.delete_log_odds);
   reader.read("maximum_log_odds", parameters.maximum_log_odds);
-  reader.read("evidence_distance", parameters.evidence_distance);
-  reader.read("evidence_angle", parameters.evidence_angle);
+  reader.read("update_distance", parameters.update_distance);
+  reader.read("update_angle", parameters.update_angle);
   reader.has("node");
   reader.rejectUnknown();
   parameters.mode = toMode(mode);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "ram_slam/fast_slam/landmark.hpp"
@@ -19,6 +20,7 @@ struct Prospect {
 
 /// One feature as all particles see it.
 struct Observation {
+  std::string type;
   PointMeasurement measured;
   std::vector<Prospect> prospects;
 };

@@ -84,7 +84,7 @@ public:
 private:
   /// How the particles move up to a new stamp.
   struct Step {
-    PoseWithCovariance2 motion;        ///< FastSLAM 2.0
+    PoseWithCovariance2 motion;        ///< FastSLAM 2.0: since the maps were updated last
     std::vector<Pose2> map_from_base;  ///< FastSLAM 1.0: one per particle
   };
 
@@ -93,8 +93,11 @@ private:
   std::vector<DescriptorPointer> describe(const FeatureList& list) const;
   std::vector<Observation> observe(const FeatureList& list,
                                    const std::vector<DescriptorPointer>& descriptors) const;
-  /// Associates in every particle, weighs it and draws its pose.
+  /// Whether the maps shall be updated: not while nothing new is to be seen.
+  bool isDue(const FeatureList& list, const Step& step) const;
+  /// Associates in every particle, corrects it and estimates the pose.
   std::vector<Evidence> weigh(const std::vector<Observation>& observations);
+  void drawPoses(const std::vector<Evidence>& evidence);
   void updateMaps(const FeatureList& list,
                   const std::vector<DescriptorPointer>& descriptors,
                   const std::vector<Observation>& observations,
@@ -110,7 +113,7 @@ private:
   double doubt(const LandmarkRecord& record,
                const FieldOfView& view,
                const std::vector<double>& weights) const;
-  void updateEstimate();
+  void updateEstimate(const std::vector<double>& weights);
   void resample();
   void refreshBounds(LandmarkRecord& record) const;
   void remove(LandmarkId id);
@@ -128,7 +131,8 @@ private:
   FastSlamQuality quality_;
   std::int64_t stamp_ns_ = 0;
   std::uint64_t update_count_ = 0;
-  Pose2 last_evidence_pose_;
+  std::int64_t learned_ns_ = 0;         ///< when poses were drawn and maps updated last
+  PoseWithCovariance2 since_learning_;  ///< the motion since then
 };
 
 }  // namespace ram_slam

@@ -26,8 +26,7 @@ struct LandmarkRecord {
   std::string classifier;                ///< of the feature that created it
   std::vector<DescriptorPointer> views;  ///< how it looked, from different places
   double existence_log_odds = 0.0;
-  double matched_weight =
-      0.0;  ///< share of the particles that saw it since evidence was last collected
+  double matched_weight = 0.0;   ///< share of the particles that saw it in the last reading
   Eigen::AlignedBox2d bounds_m;  ///< encloses where it can be matched, in every particle
   std::uint32_t seen_from = 0;   ///< bit per sector of the direction from the landmark to the robot
   double seen_within_m = 0.0;    ///< largest distance at which it was seen

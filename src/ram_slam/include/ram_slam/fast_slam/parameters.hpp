@@ -26,8 +26,12 @@ struct FastSlamParameters {
   FastSlamMode mode = FastSlamMode::kFastSlam2;
   int seed = 1;
 
+  double update_distance = 0.1;  ///< [m] fast_slam_2: the map learns once per this distance driven
+  double update_angle = 0.1;  ///< [rad] or angle turned; in between features only correct the pose
+
   double association_gate =
       9.21;  ///< bound of the squared Mahalanobis distance; 99 % of chi2 with 2 dof
+  double creation_gate = 25.0;  ///< likewise: nearer to a landmark than this nothing is new
   double ambiguity_margin =
       1.0;  ///< [nat] a pairing that beats its alternatives by less is not used
   double unknown_feature_density =
@@ -40,8 +44,6 @@ struct FastSlamParameters {
   double confirm_log_odds = 2.0;              ///< only landmarks above this correct the pose
   double delete_log_odds = -2.0;              ///< landmarks below this are removed
   double maximum_log_odds = 8.0;              ///< more certain than this a landmark never gets
-  double evidence_distance = 0.1;  ///< [m] driven between two pieces of evidence about existence
-  double evidence_angle = 0.1;     ///< [rad] or turned
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;

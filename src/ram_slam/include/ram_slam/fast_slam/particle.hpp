@@ -9,8 +9,8 @@ namespace ram_slam {
 
 /// One guess of the robot's path, and the map that follows from it.
 struct Particle {
-  Pose2 map_from_base;           ///< where the path ends
-  PoseWithCovariance2 proposal;  ///< what that end was drawn from
+  Pose2 map_from_base;           ///< where it was when its map was updated last
+  PoseWithCovariance2 proposal;  ///< where it is now, given its map
   double log_weight = 0.0;
   LandmarkTree landmarks;
   Path path;
