@@ -26,6 +26,7 @@ constexpr double kSolidFriction = 0.3;
 constexpr double kMaxCorrectingSpeed_mps = 0.1;
 constexpr int kContactsPerPair = 3;
 constexpr int kMaxSolidContacts = 8;
+constexpr double kLargestCoordinate_m = 1e5;
 
 template <typename Id, void (*destroy)(Id)>
 class Handle {
@@ -72,14 +73,34 @@ void placeGeom(dGeomID geom, const Eigen::Isometry3d& pose) {
   dGeomSetQuaternion(geom, quaternion);
 }
 
-void placeBody(dBodyID body, const Eigen::Isometry3d& pose) {
+/// Where a body is and how it moves, as ODE has it.
+struct BodyState {
+  Eigen::Vector3d position_m;
+  Eigen::Vector4d quaternion;  // w x y z
+  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d turn_radps = Eigen::Vector3d::Zero();
+};
+
+BodyState atRest(const Eigen::Isometry3d& pose) {
   const Eigen::Quaterniond q(pose.linear());
-  const dQuaternion quaternion = {q.w(), q.x(), q.y(), q.z()};
-  const Eigen::Vector3d p = pose.translation();
+  return {pose.translation(), {q.w(), q.x(), q.y(), q.z()}};
+}
+
+BodyState stateOf(dBodyID body) {
+  const dReal* q = dBodyGetQuaternion(body);
+  return {toEigen(dBodyGetPosition(body)),
+          {q[0], q[1], q[2], q[3]},
+          toEigen(dBodyGetLinearVel(body)),
+          toEigen(dBodyGetAngularVel(body))};
+}
+
+void setState(dBodyID body, const BodyState& state) {
+  const auto& [p, q, v, w] = state;
+  const dQuaternion quaternion = {q[0], q[1], q[2], q[3]};
   dBodySetPosition(body, p.x(), p.y(), p.z());
   dBodySetQuaternion(body, quaternion);
-  dBodySetLinearVel(body, 0, 0, 0);
-  dBodySetAngularVel(body, 0, 0, 0);
+  dBodySetLinearVel(body, v.x(), v.y(), v.z());
+  dBodySetAngularVel(body, w.x(), w.y(), w.z());
 }
 
 dGeomID createGeom(dSpaceID space, const Solid& solid) {
@@ -190,16 +211,23 @@ public:
   bool touchesSolid() const { return solid_contacts_ > 0; }
 
   void setPose(const Pose2& pose) {
-    if (!std::isfinite(pose.x_m) || !std::isfinite(pose.y_m) || !std::isfinite(pose.yaw_rad)) {
-      throw std::invalid_argument("a robot cannot be put at a pose that is not finite");
+    if (!(std::abs(pose.x_m) <= kLargestCoordinate_m &&
+          std::abs(pose.y_m) <= kLargestCoordinate_m && std::isfinite(pose.yaw_rad))) {
+      throw std::invalid_argument("a robot cannot be put at (" + std::to_string(pose.x_m) + ", " +
+                                  std::to_string(pose.y_m) + ") m, yaw " +
+                                  std::to_string(pose.yaw_rad) +
+                                  ": the pose must be finite and within 100 km");
     }
-    const Eigen::Isometry3d before = worldFromBase();
+    const std::array<dBodyID, 3> bodies = {chassis_, wheels_[0].body, wheels_[1].body};
+    std::array<BodyState, 3> before;
+    std::transform(bodies.begin(), bodies.end(), before.begin(), stateOf);
     place(toIsometry(pose));
     if (insideSolid()) {
-      place(before);
+      for (std::size_t i = 0; i < bodies.size(); ++i) setState(bodies[i], before[i]);
       throw std::invalid_argument("a robot at (" + std::to_string(pose.x_m) + ", " +
                                   std::to_string(pose.y_m) + ") m would stand inside a solid");
     }
+    for (WheelBody& wheel : wheels_) wheel.load_n = 0.25 * kGravity_mps2 * robot_.chassis.mass_kg;
   }
 
 private:
@@ -248,10 +276,9 @@ private:
       pose.translation() = world_from_base * offset;
       return pose;
     };
-    placeBody(chassis_, at(robot_.chassis.center_in_base_m));
+    setState(chassis_, atRest(at(robot_.chassis.center_in_base_m)));
     for (WheelBody& wheel : wheels_) {
-      placeBody(wheel.body, at(wheel.description.center_in_base_m));
-      wheel.load_n = 0.25 * kGravity_mps2 * robot_.chassis.mass_kg;
+      setState(wheel.body, atRest(at(wheel.description.center_in_base_m)));
     }
   }
 

@@ -1,1 +1,423 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_sim/physics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <limits>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <ode/ode.h>
+
+#include "ramscout_sim/wheel_odometry.hpp"
+
+#include "shared.hpp"
+
+namespace ramscout_sim {
+namespace {
+
+using testing::shippedRobot;
+
+constexpr double kStep_s = 1e-3;
+constexpr double kGravity_mps2 = 9.81;
+constexpr double kWheelRadius_m = 0.1;
+constexpr double kTrack_m = 0.36;
+
+/// Carried by its wheels alone; it does not tip because its weight hangs below the axle.
+RobotDescription robotWithoutCasters() {
+  RobotDescription robot = shippedRobot();
+  robot.casters.clear();
+  robot.chassis.center_in_base_m = {0.0, 0.0, 0.05};
+  return robot;
+}
+
+double mass_kg(const RobotDescription& robot) {
+  return robot.chassis.mass_kg + robot.left.mass.mass_kg + robot.right.mass.mass_kg;
+}
+
+Physics onOpenFloor(const RobotDescription& robot, double friction = 0.8) {
+  World world;
+  world.floor_friction = friction;
+  return {robot, world, {}};
+}
+
+void run(Physics& physics, double duration_s, const WheelPair& speeds_radps) {
+  const int steps = static_cast<int>(std::lround(duration_s / kStep_s));
+  for (int i = 0; i < steps; ++i) physics.step(kStep_s, speeds_radps);
+}
+
+Pose2 poseOf(const Physics& physics) {
+  return toPose2(physics.worldFromBase());
+}
+
+/// What the encoders of the nominal robot say, without noise, ticks or slip.
+class Odometer {
+public:
+  explicit Odometer(const Physics& physics) : last_(physics.wheelAngles_rad()) {}
+
+  void update(const Physics& physics) {
+    const WheelPair now = physics.wheelAngles_rad();
+    const double left_m = kWheelRadius_m * (now.left - last_.left);
+    const double right_m = kWheelRadius_m * (now.right - last_.right);
+    const double yaw_rad = (right_m - left_m) / kTrack_m;
+    pose_ = pose_ * Pose2{0.5 * (left_m + right_m) * std::cos(0.5 * yaw_rad),
+                          0.5 * (left_m + right_m) * std::sin(0.5 * yaw_rad), yaw_rad};
+    distance_m_ += 0.5 * (left_m + right_m);
+    turned_rad_ += yaw_rad;
+    last_ = now;
+  }
+  const Pose2& pose() const { return pose_; }
+  double distance_m() const { return distance_m_; }
+  double turned_rad() const { return turned_rad_; }
+
+private:
+  WheelPair last_;
+  Pose2 pose_;
+  double distance_m_ = 0.0;
+  double turned_rad_ = 0.0;
+};
+
+/// Drives `forward` (m) or turns `turn` (rad, on the spot), whichever is not 0, with gentle ramps;
+/// as the odometer sees it.
+void drive(Physics& physics, Odometer& odometer, double forward_m, double turn_rad) {
+  const double wheel_way_m = forward_m != 0.0 ? forward_m : 0.5 * kTrack_m * turn_rad;
+  constexpr double kCruise_mps = 0.5;
+  constexpr double kAcceleration_mps2 = 0.5;
+  const double way_m = std::abs(wheel_way_m);
+  const double ramp_s =
+      std::min(kCruise_mps / kAcceleration_mps2, std::sqrt(way_m / kAcceleration_mps2));
+  const double top_mps = kAcceleration_mps2 * ramp_s;
+  const double flat_s = way_m / top_mps - ramp_s;
+  const double total_s = 2.0 * ramp_s + flat_s;
+  const double settle_s = 0.2;
+  for (double t = 0.5 * kStep_s; t < total_s + settle_s; t += kStep_s) {
+    const double speed_mps = std::copysign(
+        std::clamp(std::min(t, total_s - t) * kAcceleration_mps2, 0.0, top_mps), wheel_way_m);
+    const double right_radps = speed_mps / kWheelRadius_m;
+    physics.step(kStep_s, {forward_m != 0.0 ? right_radps : -right_radps, right_radps});
+    odometer.update(physics);
+  }
+}
+
+TEST(Physics, AFreeBodyFallsByTheDiscreteFormula) {
+  RobotDescription robot = shippedRobot();
+  robot.casters.clear();
+  for (Wheel* wheel : {&robot.left, &robot.right}) {
+    wheel->center_in_base_m.z() = 100.0;
+    wheel->mass.center_in_base_m.z() = 100.0;
+  }
+  robot.chassis.center_in_base_m.z() = 100.0;
+  for (Solid& shape : robot.chassis_shapes)
+    shape.world_from_solid.pretranslate(Eigen::Vector3d(0, 0, 100));
+  Physics physics = onOpenFloor(robot);
+  run(physics, 1.0, {});
+  // Semi-implicit Euler: velocity first, then position with the new velocity.
+  EXPECT_NEAR(physics.worldFromBase().translation().z(),
+              -kGravity_mps2 * 1.0 * (1.0 + kStep_s) / 2.0, 1e-9);
+  EXPECT_NEAR(physics.linearVelocity_mps().z(), -kGravity_mps2, 1e-9);
+}
+
+TEST(Physics, TheFloorCarriesTheWholeWeight) {
+  const RobotDescription robot = robotWithoutCasters();
+  Physics physics = onOpenFloor(robot);
+  run(physics, 5.0, {});
+  const WheelPair loads = physics.wheelLoads_n();
+  EXPECT_NEAR(loads.left + loads.right, kGravity_mps2 * mass_kg(robot), 1e-6);
+  EXPECT_NEAR(loads.left, loads.right, 1e-6);
+}
+
+TEST(Physics, ItSinksByLoadTimesSoftnessOfFloorAndAxles) {
+  const RobotDescription robot = robotWithoutCasters();
+  Physics physics = onOpenFloor(robot);
+  run(physics, 5.0, {});
+  constexpr double kSoftness = 1e-6;
+  constexpr double kErrorReduction = 0.2;
+  const double floor_n = physics.wheelLoads_n().left;
+  const double axle_n = floor_n - kGravity_mps2 * robot.left.mass.mass_kg;
+  EXPECT_NEAR(physics.worldFromBase().translation().z(),
+              -(floor_n + axle_n) * kStep_s * kSoftness / kErrorReduction, 1e-12);
+}
+
+TEST(Physics, AnOffCentreWeightLoadsTheWheelsByTheLever) {
+  RobotDescription robot = robotWithoutCasters();
+  constexpr double kOffset_m = 0.06;
+  robot.chassis.center_in_base_m.y() = kOffset_m;
+  Physics physics = onOpenFloor(robot);
+  run(physics, 5.0, {});
+  const WheelPair loads = physics.wheelLoads_n();
+  EXPECT_NEAR(loads.left - loads.right,
+              2.0 * kGravity_mps2 * robot.chassis.mass_kg * kOffset_m / kTrack_m, 1e-3);
+}
+
+TEST(Physics, TheMotorsTorqueLimitsTheAcceleration) {
+  RobotDescription robot = shippedRobot();
+  robot.left.max_torque_nm = robot.right.max_torque_nm = 0.5;
+  Physics physics = onOpenFloor(robot);
+  run(physics, 1.0, {});
+  const double before_mps = physics.linearVelocity_mps().x();
+  run(physics, 1.0, {1000.0, 1000.0});
+  const double after_mps = physics.linearVelocity_mps().x();
+  const double wheel_inertia_kgm2 = robot.left.mass.inertia_kgm2(1, 1);
+  const double rolling_mass_kg =
+      mass_kg(robot) + 2.0 * wheel_inertia_kgm2 / (kWheelRadius_m * kWheelRadius_m);
+  const double expected_mps2 = 2.0 * 0.5 / kWheelRadius_m / rolling_mass_kg;
+  EXPECT_NEAR((after_mps - before_mps) / expected_mps2, 1.0, 1e-4);
+}
+
+TEST(Physics, FrictionLimitsTheAccelerationToTheLoadOfTheWheels) {
+  for (const double friction : {0.05, 0.1, 0.2}) {
+    const RobotDescription robot = shippedRobot();
+    Physics physics = onOpenFloor(robot, friction);
+    run(physics, 1.0, {});
+    constexpr WheelPair kSpinning{40.0, 40.0};
+    run(physics, 0.3, kSpinning);
+    const double begin_mps = physics.linearVelocity_mps().x();
+    double impulse_ns = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      // The limit follows the load of the step before.
+      impulse_ns +=
+          friction * (physics.wheelLoads_n().left + physics.wheelLoads_n().right) * kStep_s;
+      physics.step(kStep_s, kSpinning);
+    }
+    const double gained_mps = physics.linearVelocity_mps().x() - begin_mps;
+    EXPECT_NEAR(gained_mps * mass_kg(robot) / impulse_ns, 1.0, 1e-3) << friction;
+  }
+}
+
+TEST(Physics, TheBrakesStopOnTheDistanceOfTheirTorque) {
+  const RobotDescription robot = shippedRobot();
+  Physics physics = onOpenFloor(robot, 2.0);
+  run(physics, 0.5, {});
+  for (int i = 0; i < 2000; ++i) {
+    const double speed_radps = 10.0 * std::min(1.0, i / 1000.0);
+    physics.step(kStep_s, {speed_radps, speed_radps});
+  }
+  const double speed_mps = physics.linearVelocity_mps().x();
+  ASSERT_NEAR(speed_mps, 1.0, 1e-3);
+  const double begin_m = poseOf(physics).x_m;
+  run(physics, 2.0, {});
+  const double wheel_inertia_kgm2 = robot.left.mass.inertia_kgm2(1, 1);
+  const double rolling_mass_kg =
+      mass_kg(robot) + 2.0 * wheel_inertia_kgm2 / (kWheelRadius_m * kWheelRadius_m);
+  const double deceleration_mps2 =
+      2.0 * robot.left.max_torque_nm / kWheelRadius_m / rolling_mass_kg;
+  const double expected_m = speed_mps * speed_mps / (2.0 * deceleration_mps2);
+  EXPECT_NEAR(poseOf(physics).x_m - begin_m, expected_m - 0.5 * speed_mps * kStep_s,
+              0.005 * expected_m);
+}
+
+TEST(Physics, WithoutFrictionTheWheelsSpinAndTheRobotStays) {
+  Physics physics = onOpenFloor(shippedRobot(), 0.0);
+  run(physics, 1.0, {10.0, 10.0});
+  EXPECT_NEAR(poseOf(physics).x_m, 0.0, 1e-9);
+  EXPECT_GT(physics.wheelAngles_rad().left, 8.0);
+}
+
+TEST(Physics, TenMetresStraightAreTenMetresOfWheel) {
+  Physics physics = onOpenFloor(shippedRobot());
+  Odometer odometer(physics);
+  drive(physics, odometer, 10.0, 0.0);
+  EXPECT_NEAR(odometer.distance_m(), 10.0, 0.01);
+  EXPECT_NEAR(poseOf(physics).x_m / odometer.distance_m(), 1.0, 1e-4);
+  EXPECT_NEAR(poseOf(physics).y_m, 0.0, 1e-6);
+  EXPECT_NEAR(poseOf(physics).yaw_rad, 0.0, 1e-6);
+}
+
+TEST(Physics, ASquareOfFiveMetresReturnsWhereTheOdometrySays) {
+  Physics physics = onOpenFloor(shippedRobot());
+  Odometer odometer(physics);
+  for (int side = 0; side < 4; ++side) {
+    drive(physics, odometer, 5.0, 0.0);
+    drive(physics, odometer, 0.0, M_PI_2);
+  }
+  const Pose2 truth = poseOf(physics);
+  EXPECT_NEAR(odometer.turned_rad(), 2.0 * M_PI, 0.01);
+  EXPECT_NEAR(std::hypot(truth.x_m - odometer.pose().x_m, truth.y_m - odometer.pose().y_m), 0.0,
+              1e-3);
+  EXPECT_NEAR(wrapAngle(truth.yaw_rad - odometer.pose().yaw_rad), 0.0, 1e-4);
+}
+
+TEST(Physics, TenTurnsOnTheSpotAreTenTurnsOfTheWheels) {
+  Physics physics = onOpenFloor(shippedRobot());
+  Odometer odometer(physics);
+  double turned_rad = 0.0;
+  double last_rad = 0.0;
+  for (int turn = 0; turn < 40; ++turn) {
+    drive(physics, odometer, 0.0, M_PI_2);
+    turned_rad += wrapAngle(poseOf(physics).yaw_rad - last_rad);
+    last_rad = poseOf(physics).yaw_rad;
+  }
+  ASSERT_NEAR(odometer.turned_rad(), 20.0 * M_PI, 0.1);
+  EXPECT_NEAR(turned_rad / odometer.turned_rad(), 1.0, 1e-5);
+  EXPECT_NEAR(std::hypot(poseOf(physics).x_m, poseOf(physics).y_m), 0.0, 1e-3);
+}
+
+TEST(Physics, ACircleHasTheDiameterOfTheWheelSpeeds) {
+  Physics physics = onOpenFloor(shippedRobot());
+  for (int i = 0; i < 1000; ++i) physics.step(kStep_s, {4.0e-3 * i, 6.0e-3 * i});
+  run(physics, 1.0, {4.0, 6.0});
+  const Pose2 begin = poseOf(physics);
+  double farthest_m = 0.0;
+  for (int i = 0; i < 12000; ++i) {
+    physics.step(kStep_s, {4.0, 6.0});
+    const Pose2 now = poseOf(physics);
+    farthest_m = std::max(farthest_m, std::hypot(now.x_m - begin.x_m, now.y_m - begin.y_m));
+  }
+  const double radius_m = 0.5 * kTrack_m * (6.0 + 4.0) / (6.0 - 4.0);
+  EXPECT_NEAR(farthest_m / (2.0 * radius_m), 1.0, 1e-5);
+}
+
+/// Where a 4 m square ends that the odometry takes for closed (UMBmark, Borenstein and Feng 1996).
+Pose2 driveSquare(const RobotDescription& robot, double turn_rad) {
+  Physics physics = onOpenFloor(robot);
+  Odometer odometer(physics);
+  for (int side = 0; side < 4; ++side) {
+    // Corrects what is left of the last leg, so that the nominal square is closed.
+    drive(physics, odometer, 4.0, 0.0);
+    drive(physics, odometer, 0.0, turn_rad * (side + 1) - odometer.turned_rad());
+  }
+  const Pose2 world_from_base = poseOf(physics);
+  return {world_from_base.x_m - odometer.pose().x_m, world_from_base.y_m - odometer.pose().y_m,
+          wrapAngle(world_from_base.yaw_rad - odometer.pose().yaw_rad)};
+}
+
+TEST(Physics, UmbmarkRecoversUnequalWheelsAndAWrongTrack) {
+  struct Errors {
+    double diameter_ratio, track_ratio;
+  };
+  for (const Errors& injected :
+       {Errors{1.002, 1.0}, Errors{1.0, 1.01}, Errors{1.003, 0.995}, Errors{0.9975, 1.004}}) {
+    OdometryParameters parameters;
+    parameters.wheel_diameter_ratio = injected.diameter_ratio;
+    parameters.track_ratio = injected.track_ratio;
+    const RobotDescription robot = withTrueGeometry(shippedRobot(), parameters);
+    const Pose2 left = driveSquare(robot, M_PI_2);
+    const Pose2 right = driveSquare(robot, -M_PI_2);
+    constexpr double kSide_m = 4.0;
+    // Means of what the errors in x and in y say.
+    const double alpha_rad = (right.x_m + left.x_m + right.y_m - left.y_m) / (-8.0 * kSide_m);
+    const double beta_rad = (right.x_m - left.x_m + right.y_m + left.y_m) / (-8.0 * kSide_m);
+    const double radius_m = 0.5 * kSide_m / std::sin(0.5 * beta_rad);
+    const double diameter_ratio = (radius_m + 0.5 * kTrack_m) / (radius_m - 0.5 * kTrack_m);
+    const double track_ratio = M_PI_2 / (M_PI_2 - alpha_rad);
+    EXPECT_NEAR(diameter_ratio, injected.diameter_ratio, 1e-4);
+    EXPECT_NEAR(track_ratio, injected.track_ratio, 1e-3);
+  }
+}
+
+TEST(Physics, AWallStopsTheRobotAtThreeMetresPerSecond) {
+  World world;
+  world.floor_friction = 0.4;  // below what the motors can do
+  world.solids.push_back(makeWall({5.0, -5.0}, {5.0, 5.0}, 0.02, 2.5));
+  Physics physics(shippedRobot(), world, {});
+  constexpr double kHalfLength_m = 0.3;
+  constexpr double kFace_m = 4.99;
+  constexpr double kSpeed_mps = 3.0;
+  double deepest_m = 0.0;
+  double fastest_mps = 0.0;
+  for (int i = 0; i < 8000; ++i) {
+    const double speed_radps = 10.0 * kSpeed_mps * std::min(1.0, i / 1000.0);
+    physics.step(kStep_s, {speed_radps, speed_radps});
+    deepest_m = std::max(deepest_m, poseOf(physics).x_m + kHalfLength_m - kFace_m);
+    fastest_mps = std::max(fastest_mps, physics.linearVelocity_mps().x());
+  }
+  EXPECT_GT(fastest_mps, 2.9);
+  EXPECT_GT(deepest_m, 0.0);
+  EXPECT_LT(deepest_m, kSpeed_mps * kStep_s);
+  EXPECT_TRUE(physics.touchesSolid());
+  EXPECT_LT(poseOf(physics).x_m, kFace_m - kHalfLength_m + 1e-3);
+  // The wheels go on turning: odometry runs on while the robot stays.
+  EXPECT_GT(kWheelRadius_m * physics.wheelAngles_rad().left, 8.0);
+}
+
+int ode_messages = 0;
+extern "C" void countOdeMessage(int, const char*, va_list) {
+  ++ode_messages;
+}
+
+TEST(Physics, RammingWallsAtAnyAngleStaysStable) {
+  ode_messages = 0;
+  dSetMessageHandler(countOdeMessage);
+  Physics physics(shippedRobot(), testing::makeRoom(4.0, 3.0), {2.0, 1.5, 0.3});
+  for (int burst = 0; burst < 40; ++burst) {
+    const double turn_radps = (burst % 5) - 2.0;
+    run(physics, 0.5, {10.0 - turn_radps, 10.0 + turn_radps});
+    run(physics, 0.2, {-8.0, -6.0 + turn_radps});
+    const Pose2 pose = poseOf(physics);
+    ASSERT_GT(std::min(pose.x_m, 4.0 - pose.x_m), 0.2) << burst;
+    ASSERT_GT(std::min(pose.y_m, 3.0 - pose.y_m), 0.2) << burst;
+    ASSERT_GT(physics.worldFromBase().linear()(2, 2), 0.99) << burst;
+  }
+  dSetMessageHandler(nullptr);
+  EXPECT_EQ(ode_messages, 0);
+}
+
+TEST(Physics, ARobotAtRestStaysAtRest) {
+  Physics physics = onOpenFloor(shippedRobot());
+  run(physics, 2.0, {});
+  const Eigen::Isometry3d before = physics.worldFromBase();
+  run(physics, 60.0, {});
+  EXPECT_LT((physics.worldFromBase().translation() - before.translation()).norm(), 1e-6);
+  EXPECT_LT(physics.linearVelocity_mps().norm(), 1e-9);
+}
+
+TEST(Physics, SameInputsGiveTheSameBits) {
+  const World room = testing::makeRoom(4.0, 3.0);
+  Physics a(shippedRobot(), room, room.start);
+  Physics b(shippedRobot(), room, room.start);
+  dRandSetSeed(7);
+  run(a, 5.0, {9.0, 8.0});
+  dRandSetSeed(42);
+  run(b, 5.0, {9.0, 8.0});
+  EXPECT_TRUE(a.touchesSolid());
+  EXPECT_EQ(a.worldFromBase().matrix(), b.worldFromBase().matrix());
+  EXPECT_EQ(a.wheelAngles_rad().left, b.wheelAngles_rad().left);
+  EXPECT_EQ(a.linearVelocity_mps(), b.linearVelocity_mps());
+}
+
+TEST(Physics, TeleportsToAFreePose) {
+  Physics physics(shippedRobot(), testing::makeRoom(4.0, 3.0), {2.0, 1.5, 0.0});
+  run(physics, 0.5, {5.0, 5.0});
+  const WheelPair angles = physics.wheelAngles_rad();
+  physics.setPose({1.0, 1.0, M_PI_2});
+  EXPECT_NEAR(poseOf(physics).x_m, 1.0, 1e-12);
+  EXPECT_NEAR(poseOf(physics).yaw_rad, M_PI_2, 1e-12);
+  EXPECT_EQ(physics.linearVelocity_mps().norm(), 0.0);
+  EXPECT_EQ(physics.wheelAngles_rad().left, angles.left);
+}
+
+TEST(Physics, ARefusedTeleportChangesNothing) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const World room = testing::makeRoom(4.0, 3.0);
+  Physics refused(shippedRobot(), room, {1.0, 1.5, 0.0});
+  Physics untouched(shippedRobot(), room, {1.0, 1.5, 0.0});
+  run(refused, 0.5, {5.0, 5.0});
+  run(untouched, 0.5, {5.0, 5.0});
+  for (const Pose2& pose :
+       {Pose2{0.0, 1.5, 0.0}, Pose2{kNan, 0.0, 0.0}, Pose2{1.0, 1.0, kNan}, Pose2{1e9, 0.0, 0.0}}) {
+    EXPECT_THROW(refused.setPose(pose), std::invalid_argument);
+  }
+  run(refused, 0.5, {5.0, 5.0});
+  run(untouched, 0.5, {5.0, 5.0});
+  EXPECT_EQ(refused.worldFromBase().matrix(), untouched.worldFromBase().matrix());
+  EXPECT_EQ(refused.wheelAngles_rad().left, untouched.wheelAngles_rad().left);
+}
+
+TEST(Physics, RefusesToStartInsideASolidOfAnyShape) {
+  for (const Shape shape : {Shape::kBox, Shape::kCylinder, Shape::kSphere}) {
+    for (const double size_m : {0.1, 4.0}) {
+      World world;
+      Solid solid;
+      solid.shape = shape;
+      solid.size_m = Eigen::Vector3d::Constant(size_m);
+      solid.world_from_solid.translation().z() = 0.2;
+      world.solids.push_back(solid);
+      EXPECT_THROW(Physics(shippedRobot(), world, {}), std::invalid_argument)
+          << static_cast<int>(shape) << " of " << size_m << " m";
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ramscout_sim
