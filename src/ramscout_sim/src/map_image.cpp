@@ -14,6 +14,7 @@ namespace ramscout_sim {
 namespace {
 
 constexpr int kMaxSide_cells = 16384;
+constexpr double kLargestCoordinate_m = 1e5;
 
 struct Picture {
   int width = 0;
@@ -97,6 +98,10 @@ MapHeader readMapHeader(const std::string& path) {
     refuse(path, "resolution: must be in (0, 10] m, got " + std::to_string(header.resolution));
   }
   if (header.origin.size() != 3) refuse(path, "origin: must be [x, y, yaw]");
+  for (const double value : header.origin) {
+    if (!(std::abs(value) <= kLargestCoordinate_m))
+      refuse(path, "origin: " + std::to_string(value) + " is beyond 100 km");
+  }
   if (!(0.0 <= header.free_thresh && header.free_thresh < header.occupied_thresh &&
         header.occupied_thresh <= 1.0)) {
     refuse(path, "free_thresh and occupied_thresh: must satisfy 0 <= free < occupied <= 1");
@@ -107,15 +112,16 @@ MapHeader readMapHeader(const std::string& path) {
   return header;
 }
 
+/// Whether the solid, grown sideways by the margin, contains the point.
 bool covers(const Solid& solid, const Eigen::Vector3d& point, double margin_m) {
   const Eigen::Vector3d local = solid.world_from_solid.inverse(Eigen::Isometry) * point;
   const Eigen::Vector3d half = 0.5 * solid.size_m;
   switch (solid.shape) {
     case Shape::kBox:
-      return (local.cwiseAbs().array() <= half.array() + margin_m).all();
+      return (local.head<2>().cwiseAbs().array() <= half.head<2>().array() + margin_m).all() &&
+             std::abs(local.z()) <= half.z();
     case Shape::kCylinder:
-      return local.head<2>().norm() <= half.x() + margin_m &&
-             std::abs(local.z()) <= half.z() + margin_m;
+      return local.head<2>().norm() <= half.x() + margin_m && std::abs(local.z()) <= half.z();
     case Shape::kSphere:
       return local.norm() <= half.x() + margin_m;
   }

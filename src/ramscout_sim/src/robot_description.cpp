@@ -17,6 +17,7 @@ namespace {
 constexpr double kSmallestMass_kg = 1e-3;
 constexpr double kLargestMass_kg = 1e3;
 constexpr double kSmallestSize_m = 0.05;
+constexpr double kSmallestShape_m = 1e-3;
 constexpr double kLargestSize_m = 5.0;
 constexpr double kTouchesFloor_m = 2e-3;
 
@@ -113,8 +114,8 @@ Solid readCollision(const urdf::Collision& collision,
   } else {
     refuse(element, "must be a box, a cylinder or a sphere");
   }
-  if (!(solid.size_m.minCoeff() > 0.0 && solid.size_m.maxCoeff() <= kLargestSize_m)) {
-    refuse(element, "sizes must be > 0 and at most 5 m; are they in metres?");
+  if (!(solid.size_m.minCoeff() >= kSmallestShape_m && solid.size_m.maxCoeff() <= kLargestSize_m)) {
+    refuse(element, "sizes must be 0.001 to 5 m; are they in metres?");
   }
   return solid;
 }

@@ -56,15 +56,24 @@ void requirePositive(const std::string& name, const char* key, double value) {
   }
 }
 
+double readBottom(ParameterReader& reader, const std::string& name) {
+  double bottom_m = 0.0;
+  reader.read("bottom_m", bottom_m);
+  if (!(std::abs(bottom_m) <= kLargestCoordinate_m)) {
+    throw std::invalid_argument(name + ".bottom_m: " + std::to_string(bottom_m) +
+                                " is beyond 100 km");
+  }
+  return bottom_m;
+}
+
 Solid readWall(ParameterReader& reader, const std::string& name) {
   const std::vector<double> begin = readVector(reader, name, "from", 2);
   const std::vector<double> end = readVector(reader, name, "to", 2);
   double thickness_m = 0.1;
   double height_m = 2.5;
-  double bottom_m = 0.0;
   reader.read("thickness_m", thickness_m);
   reader.read("height_m", height_m);
-  reader.read("bottom_m", bottom_m);
+  const double bottom_m = readBottom(reader, name);
   requirePositive(name, "thickness_m", thickness_m);
   requirePositive(name, "height_m", height_m);
   Solid wall = makeWall({begin[0], begin[1]}, {end[0], end[1]}, thickness_m, height_m);
@@ -93,10 +102,9 @@ Solid readCylinder(ParameterReader& reader, const std::string& name) {
   const std::vector<double> center = readVector(reader, name, "center", 2);
   double radius_m = 0.0;
   double height_m = 2.5;
-  double bottom_m = 0.0;
   reader.read("radius_m", radius_m);
   reader.read("height_m", height_m);
-  reader.read("bottom_m", bottom_m);
+  const double bottom_m = readBottom(reader, name);
   requirePositive(name, "radius_m", radius_m);
   requirePositive(name, "height_m", height_m);
   Solid cylinder;

@@ -1,1 +1,200 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "ramscout_sim/map_image.hpp"
+#include "ramscout_sim/office.hpp"
+#include "ramscout_sim/physics.hpp"
+#include "ramscout_sim/random.hpp"
+#include "ramscout_sim/world.hpp"
+
+#include "shared.hpp"
+#include "temporary_folder.hpp"
+
+namespace ramscout_sim {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::refusalOf;
+using testing::TemporaryFolder;
+
+const char* const kWorld = R"(start: [1, 2, 0.5]
+floor_friction: 0.6
+walls:
+  - {from: [0, 0], to: [3, 4], thickness_m: 0.2, height_m: 1.0, bottom_m: 0.5}
+boxes:
+  - {center: [1, 2, 0.5], size: [0.4, 0.6, 1.0], yaw_rad: 0.3, pitch_rad: 0.1}
+cylinders:
+  - {center: [3, 1], radius_m: 0.2, height_m: 2.0, bottom_m: 0.1}
+)";
+
+TEST(WorldFile, ReadsEveryKindOfSolid) {
+  const TemporaryFolder folder;
+  const World world = readWorld(folder.write("world.yaml", kWorld));
+  EXPECT_EQ(world.start.y_m, 2.0);
+  EXPECT_EQ(world.floor_friction, 0.6);
+  ASSERT_EQ(world.solids.size(), 3U);
+  const Solid& wall = world.solids[0];
+  EXPECT_TRUE(wall.size_m.isApprox(Eigen::Vector3d(5.0, 0.2, 1.0)));
+  EXPECT_TRUE(
+      (wall.world_from_solid * Eigen::Vector3d(2.5, 0, 0)).isApprox(Eigen::Vector3d(3, 4, 1)));
+  const Solid& box = world.solids[1];
+  EXPECT_TRUE(box.size_m.isApprox(Eigen::Vector3d(0.4, 0.6, 1.0)));
+  EXPECT_NEAR(box.world_from_solid.linear()(2, 0), -std::sin(0.1), 1e-12);
+  EXPECT_EQ(world.solids[2].shape, Shape::kCylinder);
+  EXPECT_TRUE(world.solids[2].world_from_solid.translation().isApprox(Eigen::Vector3d(3, 1, 1.1)));
+}
+
+TEST(WorldFile, TakesAMapForAWorld) {
+  const TemporaryFolder folder;
+  MapImage map;
+  map.width_cells = map.height_cells = 3;
+  map.cells.assign(9, Cell::kFree);
+  map.cells[4] = Cell::kOccupied;
+  writeMap(map, folder / "map");
+  const World world = readWorld(folder / "map.yaml");
+  ASSERT_EQ(world.solids.size(), 1U);
+  EXPECT_NEAR(world.solids[0].world_from_solid.translation().x(), 0.075, 1e-12);
+}
+
+TEST(WorldFile, ReadsTheShippedWorldWithAFreeStart) {
+  const World world = readWorld(std::string(CONFIG_FOLDER) + "/worlds/office.yaml");
+  EXPECT_GT(world.solids.size(), 100U);
+  EXPECT_NO_THROW(Physics(testing::shippedRobot(), world, world.start));
+}
+
+TEST(WorldFile, RefusesBadFilesByElement) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& yaml) {
+    return refusalOf(readWorld, folder.write("world.yaml", yaml));
+  };
+  ASSERT_EQ(refusal("{}"), "accepted");
+  EXPECT_THAT(refusal("walls: 3"), AllOf(HasSubstr("world.yaml"), HasSubstr("walls")));
+  EXPECT_THAT(refusal("walls: [3]"), HasSubstr("walls[0]"));
+  EXPECT_THAT(refusal("walls: [{from: [0, 0], to: [1, 0]}, {from: [0, 0]}]"),
+              HasSubstr("walls[1]"));
+  EXPECT_THAT(refusal("walls: [{from: [1, 1], to: [1, 1]}]"), HasSubstr("length"));
+  EXPECT_THAT(refusal("walls: [{from: [0, 0], to: [1, .nan]}]"), HasSubstr("walls[0]"));
+  EXPECT_THAT(refusal("walls: [{from: [0, 0], to: [1, 0], height_m: -1}]"), HasSubstr("height_m"));
+  EXPECT_THAT(refusal("walls: [{from: [0, 0], to: [1, 0], thick: 1}]"), HasSubstr("thick"));
+  EXPECT_THAT(refusal("walls: [{from: [0, 0], to: [1, 0], bottom_m: 1e30}]"),
+              HasSubstr("bottom_m"));
+  EXPECT_THAT(refusal("boxes: [{center: [0, 0, 0], size: [1, 0, 1]}]"), HasSubstr("size"));
+  EXPECT_THAT(refusal("boxes: [{center: [0, 0], size: [1, 1, 1]}]"), HasSubstr("center"));
+  EXPECT_THAT(refusal("boxes: [{center: [0, 0, 1e30], size: [1, 1, 1]}]"), HasSubstr("100 km"));
+  EXPECT_THAT(refusal("cylinders: [{center: [0, 0]}]"), HasSubstr("radius_m"));
+  EXPECT_THAT(refusal("cylinders: [{center: [0, 0], radius_m: 1, bottom_m: -1e30}]"),
+              HasSubstr("bottom_m"));
+  EXPECT_THAT(refusal("start: [0, 0]"), HasSubstr("start"));
+  EXPECT_THAT(refusal("floor_friction: -1"), HasSubstr("floor_friction"));
+  EXPECT_THAT(refusal("spheres: []"), HasSubstr("spheres"));
+  EXPECT_THAT(refusal("walls: [{from: [0, 0"), HasSubstr("world.yaml"));
+  EXPECT_THAT(refusal("just text"), HasSubstr("world.yaml"));
+  EXPECT_THAT(refusalOf(readWorld, folder / "none.yaml"), HasSubstr("none.yaml"));
+}
+
+TEST(WorldFile, ReadsOrRefusesDamagedFilesButNeverFailsOtherwise) {
+  const TemporaryFolder folder;
+  int accepted = 0;
+  int refused = 0;
+  for (std::uint64_t trial = 0; trial < 300; ++trial) {
+    Random random(3, Stream::kBuilding, trial);
+    std::string text = kWorld;
+    constexpr char kReplacements[] = "0123456789.-,[]{}: \n\t\x01\xff";
+    text[random.bits() % text.size()] = kReplacements[random.bits() % (sizeof(kReplacements) - 1)];
+    const std::string answer = refusalOf(readWorld, folder.write("world.yaml", text));
+    (answer == "accepted" ? accepted : refused) += 1;
+  }
+  EXPECT_GT(accepted, 30);
+  EXPECT_GT(refused, 30);
+}
+
+TEST(Office, IsWrittenAndReadBackTheSame) {
+  const TemporaryFolder folder;
+  const Office office = generateOffice({});
+  writeWorldFile(office.world, folder / "office.yaml");
+  const World copy = readWorld(folder / "office.yaml");
+  ASSERT_EQ(copy.solids.size(), office.world.solids.size());
+  // The file lists boxes first.
+  std::vector<Solid> expected = office.world.solids;
+  std::stable_partition(expected.begin(), expected.end(),
+                        [](const Solid& solid) { return solid.shape == Shape::kBox; });
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(copy.solids[i].shape, expected[i].shape);
+    EXPECT_TRUE(copy.solids[i].size_m.isApprox(expected[i].size_m, 1e-6));
+    EXPECT_TRUE(copy.solids[i].world_from_solid.matrix().isApprox(
+        expected[i].world_from_solid.matrix(), 1e-6));
+  }
+}
+
+TEST(Office, SameSeedSameBuildingAnotherSeedAnother) {
+  OfficeParameters other;
+  other.seed = 2;
+  const World a = generateOffice({}).world;
+  const World b = generateOffice({}).world;
+  const World c = generateOffice(other).world;
+  ASSERT_EQ(a.solids.size(), b.solids.size());
+  bool differs = a.solids.size() != c.solids.size();
+  for (std::size_t i = 0; i < a.solids.size(); ++i) {
+    ASSERT_EQ(a.solids[i].world_from_solid.matrix(), b.solids[i].world_from_solid.matrix());
+    if (i < c.solids.size())
+      differs |= a.solids[i].world_from_solid.matrix() != c.solids[i].world_from_solid.matrix();
+  }
+  EXPECT_TRUE(differs);
+}
+
+TEST(Office, HasRoomForTheRobotAllAlongTheTour) {
+  for (int seed = 1; seed <= 3; ++seed) {
+    OfficeParameters parameters;
+    parameters.seed = seed;
+    parameters.blocks_along_y = seed;
+    const Office office = generateOffice(parameters);
+    Physics physics(testing::shippedRobot(), office.world, office.world.start);
+    const auto& way = office.tour.waypoints_m;
+    for (std::size_t i = 1; i < way.size(); ++i) {
+      const Eigen::Vector2d along = way[i] - way[i - 1];
+      for (double share = 0.0; share <= 1.0; share += 0.02) {
+        const Eigen::Vector2d p = way[i - 1] + share * along;
+        ASSERT_NO_THROW(physics.setPose({p.x(), p.y(), std::atan2(along.y(), along.x())}));
+      }
+    }
+  }
+}
+
+TEST(Office, EveryRoomCanBeEntered) {
+  const Office office = generateOffice({});
+  const MapImage map = drawMap(office.world, 0.37, 0.05);
+  const OfficeParameters p;
+  int unreachable = 0;
+  int cells = 0;
+  for (int row = 0; row < map.height_cells; ++row) {
+    for (int column = 0; column < map.width_cells; ++column) {
+      const double x = map.world_from_map.x_m + (column + 0.5) * map.resolution_m;
+      const double y = map.world_from_map.y_m + (row + 0.5) * map.resolution_m;
+      if (x < 0 || y < 0 || x > p.length_m() || y > p.depth_m()) continue;
+      ++cells;
+      unreachable += map.at(column, row) == Cell::kUnknown ? 1 : 0;
+    }
+  }
+  EXPECT_LT(unreachable, 0.02 * cells);  // insides of furniture and gaps behind it
+}
+
+TEST(Office, RefusesBadParametersByName) {
+  OfficeParameters parameters;
+  parameters.corridor_width_m = 0.5;
+  try {
+    generateOffice(parameters);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("corridor_width_m"));
+  }
+}
+
+}  // namespace
+}  // namespace ramscout_sim

@@ -60,8 +60,8 @@ struct RobotDescription {
 /// \param urdf  the XML text
 /// \param laser_frame  the link that is the lidar; must be fixed to the base
 /// \throws std::invalid_argument naming the element that is missing, impossible or out of
-/// proportion (sizes of 0.05 to
-///         5 m, masses of 1 g to 1 t), or with the parser's own words if the XML is not a URDF
+/// proportion (the chassis 0.05 to 5 m, its parts 1 mm to 5 m, masses 1 g to 1 t), or with the
+/// parser's own words if the XML is not a URDF
 RobotDescription parseRobot(const std::string& urdf, const std::string& laser_frame = "laser");
 
 /// The same from a file. \throws std::runtime_error if it cannot be read
