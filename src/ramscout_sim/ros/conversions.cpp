@@ -64,6 +64,8 @@ nav_msgs::Odometry toMessage(const ramscout_sim::OdometryReading& reading,
           reading.covariance(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
     }
   }
+  message.twist.covariance[0] = reading.twist_covariance(0, 0);
+  message.twist.covariance[35] = reading.twist_covariance(1, 1);
   return message;
 }
 

@@ -27,6 +27,10 @@ struct OdometryParameters {
   double slip_yaw_sigma_rad_per_sqrt_m = 0.005;
   /// Standard deviation of the heading after turning one radian on the spot.
   double slip_yaw_sigma_rad_per_sqrt_rad = 0.005;
+  /// How well the base believes that it was calibrated: standard deviations of the two ratios, for
+  /// the covariance only.
+  double wheel_diameter_ratio_tolerance = 0.0005;
+  double track_ratio_tolerance = 0.002;
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
@@ -43,8 +47,11 @@ struct OdometryReading {
   std::int64_t stamp_ns = 0;
   Pose2 odom_from_base;
   Twist2 twist;
-  /// Of x, y, yaw [m, rad], from the random slip; a base does not know its systematic errors.
+  /// Of x, y, yaw [m, rad] in the odom frame, from random slip and the tolerances of wheel
+  /// diameters and track, to first order.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// Of forward speed [m/s] and turn speed [rad/s], from random slip and ticks.
+  Eigen::Matrix2d twist_covariance = Eigen::Matrix2d::Zero();
   WheelPair wheel_angles_rad;  ///< as counted
   WheelPair wheel_speeds_radps;
 };
@@ -64,6 +71,8 @@ public:
 private:
   void addSlip(const WheelPair& turned_rad);
   void integrate(const WheelPair& counted_rad);
+  void growCovariance(double chord_m, double yaw_rad, double distance_m);
+  Eigen::Matrix2d slipVariance(double distance_m, double yaw_rad) const;
 
   OdometryParameters parameters_;
   std::uint64_t seed_;
@@ -73,6 +82,8 @@ private:
   WheelPair true_angles_rad_;
   WheelPair slipped_rad_;  // wheel angle that moved nothing, or the ground that moved no wheel
   OdometryReading reading_;
+  // Covariance of x, y, yaw, and of the two ratios that stay as they are for a whole run.
+  Eigen::Matrix<double, 5, 5> joint_covariance_ = Eigen::Matrix<double, 5, 5>::Zero();
 };
 
 }  // namespace ramscout_sim
