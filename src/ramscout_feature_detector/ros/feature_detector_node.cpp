@@ -3,9 +3,11 @@
 
 #include <stdexcept>
 
+#include <sensor_msgs/Image.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include "ram_slam/ros/conversions.hpp"
+#include "ramscout_feature_detector/processing_picture.hpp"
 
 #include "markers.hpp"
 
@@ -28,6 +30,7 @@ FeatureDetectorNode::FeatureDetectorNode(ram_parameters::ParameterReader& reader
   ros::NodeHandle node;
   features_publisher_ = node.advertise<ram_slam_msgs::FeatureList>("features", 10);
   markers_publisher_ = node.advertise<visualization_msgs::MarkerArray>("feature_markers", 1);
+  image_publisher_ = node.advertise<sensor_msgs::Image>("feature_image", 1);
   scan_subscriber_ = node.subscribe("scan", 10, &FeatureDetectorNode::onScan, this,
                                     ros::TransportHints().tcpNoDelay());
   ROS_INFO_STREAM("Looking for corners in " << scan_subscriber_.getTopic() << ", features in frame "
@@ -55,9 +58,27 @@ void FeatureDetectorNode::process(const sensor_msgs::LaserScan& message) {
   const auto list = detector_.detect(scan, mounting.base_from_sensor);
   const auto features = ram_slam_ros::toFeatureListMessage(list, detector_.parameters().base_frame);
   features_publisher_.publish(features);
+  show(scan, list, mounting.base_from_sensor, features.header);
+}
+
+void FeatureDetectorNode::show(const ram_slam::LaserScan& scan,
+                               const ram_slam::FeatureList& list,
+                               const ram_slam::Pose2& base_from_laser,
+                               const std_msgs::Header& header) {
   if (markers_publisher_.getNumSubscribers() > 0) {
-    markers_publisher_.publish(toMarkers(list, detector_.analyse(scan), mounting.base_from_sensor,
-                                         detector_.parameters().occlude_limit, features.header));
+    markers_publisher_.publish(toMarkers(list, detector_.analyse(scan), base_from_laser,
+                                         detector_.parameters().occlude_limit, header));
+  }
+  if (image_publisher_.getNumSubscribers() > 0) {
+    auto picture = ramscout_feature_detector::pictureOfProcessing(detector_, scan);
+    sensor_msgs::Image image;
+    image.header = header;
+    image.width = static_cast<std::uint32_t>(picture.columns);
+    image.height = static_cast<std::uint32_t>(picture.rows);
+    image.encoding = "rgb8";
+    image.step = 3 * image.width;
+    image.data = std::move(picture.rgb);
+    image_publisher_.publish(image);
   }
 }
 

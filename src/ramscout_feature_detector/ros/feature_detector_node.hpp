@@ -15,8 +15,8 @@
 
 namespace ramscout_feature_detector_ros {
 
-/// Turns `scan` into `features`, in the base frame, and `feature_markers` if somebody wants to see
-/// them.
+/// Turns `scan` into `features`, in the base frame; `feature_markers` and `feature_image` (the
+/// processing, see pictureOfProcessing()) if somebody wants to see them.
 ///
 /// The mounting of each laser (frame of the scan) is read from tf once: lasers are bolted on.
 class FeatureDetectorNode {
@@ -26,6 +26,11 @@ public:
 
 private:
   void onScan(const sensor_msgs::LaserScan& message);
+  /// Markers and picture, if somebody wants to see them.
+  void show(const ram_slam::LaserScan& scan,
+            const ram_slam::FeatureList& list,
+            const ram_slam::Pose2& base_from_laser,
+            const std_msgs::Header& header);
   void process(const sensor_msgs::LaserScan& message);
   /// \throws tf2::TransformException if it is not known, std::invalid_argument if the laser is not
   /// level
@@ -38,6 +43,7 @@ private:
   std::map<std::string, ros::Time> last_stamps_;
   ros::Publisher features_publisher_;
   ros::Publisher markers_publisher_;
+  ros::Publisher image_publisher_;
   ros::Subscriber scan_subscriber_;
 };
 

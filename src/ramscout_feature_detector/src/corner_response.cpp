@@ -17,6 +17,7 @@ constexpr int kWindowRadius = 10;  // 2.5 standard deviations of the window
 constexpr float kWindowSigma = 4.0F;
 constexpr int kResponses = 2 * (kSearchRadius + 1) + 1;  // a maximum needs neighbours
 constexpr int kGradients = kResponses + 2 * kWindowRadius;
+static_assert(kResponses == kResponsePixels);
 static_assert(kPatchPixels == kGradients + 2, "a gradient needs neighbours");
 
 /// Products of the gradient's components: [[xx, xy], [xy, yy]] summed over a window is the
@@ -147,6 +148,10 @@ std::optional<Eigen::Vector2d> foerstnerOffset(const GradientProducts& g, int ro
 }
 
 }  // namespace
+
+ResponsePatch cornerResponses(const ImagePatch& image) {
+  return structureTensors(gradientProducts(image)).min_eigenvalue;
+}
 
 std::vector<ResponsePeak> findResponsePeaks(const std::vector<Eigen::Vector2d>& polyline_m,
                                             const Eigen::Vector2d& near_m,

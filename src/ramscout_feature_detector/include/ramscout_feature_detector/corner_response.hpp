@@ -6,8 +6,18 @@
 #include <Eigen/Core>
 
 #include "ramscout_feature_detector/parameters.hpp"
+#include "ramscout_feature_detector/rasterisation.hpp"
 
 namespace ramscout_feature_detector {
+
+/// Side of the square of responses that a square of the image yields, and the rim of it that yields
+/// none [pixels].
+inline constexpr int kResponsePixels = 19;
+inline constexpr int kResponseBorder = (kPatchPixels - kResponsePixels) / 2;
+using ResponsePatch = Grid<kResponsePixels, kResponsePixels>;
+
+/// Smaller eigenvalues of the structure tensor for the middle of a square of the image.
+ResponsePatch cornerResponses(const ImagePatch& image);
 
 /// A local maximum of the corner response on one level of the pyramid.
 struct ResponsePeak {
