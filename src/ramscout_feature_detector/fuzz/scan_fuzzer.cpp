@@ -10,7 +10,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   float header[4];
-  if (size < sizeof(header)) return 0;
+  if (size < sizeof(header) + sizeof(float)) return 0;
   std::memcpy(header, data, sizeof(header));
   ram_slam::LaserScan scan;
   scan.angle_min_rad = header[0];
