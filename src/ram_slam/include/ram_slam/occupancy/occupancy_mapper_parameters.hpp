@@ -15,7 +15,7 @@ struct OccupancyMapperParameters {
   double clear_max_range_m =
       5.0;  ///< how far a beam that returned nothing (+Inf) clears; 0: not at all
   double occupied_threshold =
-      0.25;            ///< a cell is occupied if more than this part of its visits were hits
+      0.15;            ///< a cell is occupied if more than this part of its visits were hits
   int min_visits = 1;  ///< a cell with fewer visits is unknown
   int max_cell_count = 50000000;  ///< size cap: cells in the map's bounding box
 
