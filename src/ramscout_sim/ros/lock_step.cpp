@@ -49,8 +49,22 @@ LockStep::LockStep(ros::NodeHandle& node, const LockStepParameters& parameters)
 
 void LockStep::onMessage(std::size_t topic, const HeaderOnly& message) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (message.header.stamp > now_) return;
   latest_stamps_[topic] = std::max(latest_stamps_[topic], message.header.stamp);
   answered_.notify_all();
+}
+
+void LockStep::reset() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::fill(latest_stamps_.begin(), latest_stamps_.end(), ros::Time());
+  now_ = ros::Time();
+  ++resets_;
+  answered_.notify_all();
+}
+
+void LockStep::setNow(const ros::Time& now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  now_ = now;
 }
 
 bool LockStep::allConnected(const ros::Publisher& scans) const {
@@ -84,7 +98,8 @@ void LockStep::waitFor(const ros::Time& scan_stamp) {
   if (subscribers_.empty()) return;
   const Clock::time_point deadline = inSeconds(parameters_.timeout_s);
   std::unique_lock<std::mutex> lock(mutex_);
-  while (ros::ok() && !unanswered(scan_stamp).empty()) {
+  const int resets = resets_;
+  while (ros::ok() && resets == resets_ && !unanswered(scan_stamp).empty()) {
     if (Clock::now() >= deadline) {
       ROS_WARN_STREAM("Lock step: no answer to the scan of "
                       << scan_stamp << " s within " << parameters_.timeout_s << " s on"

@@ -147,6 +147,7 @@ void SimulatorNode::run() {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       outputs = simulation_.step();
+      lock_step_.setNow(toRosTime(simulation_.now_ns()));
       publishClock();
       publishProgress();
     }
@@ -242,6 +243,7 @@ bool SimulatorNode::onPause(std_srvs::SetBool::Request& request,
 bool SimulatorNode::onReset(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
   const std::lock_guard<std::mutex> lock(mutex_);
   simulation_ = makeSimulation();
+  lock_step_.reset();
   next_clock_ns_ = 0;
   published_progress_ = -1.0;
   step_until_ns_ = 0;

@@ -39,6 +39,13 @@ public:
   /// Callbacks must be served by another thread.
   void waitFor(const ros::Time& scan_stamp);
 
+  /// Tells the simulated time before anything of that time goes out: messages of a later stamp are
+  /// left over from before a reset and no answers.
+  void setNow(const ros::Time& now);
+
+  /// Forgets the answers so far and ends a wait: after a reset stamps start again.
+  void reset();
+
 private:
   void onMessage(std::size_t topic, const HeaderOnly& message);
   bool allConnected(const ros::Publisher& scans) const;
@@ -49,6 +56,8 @@ private:
   std::mutex mutex_;
   std::condition_variable answered_;
   std::vector<ros::Time> latest_stamps_;
+  ros::Time now_;
+  int resets_ = 0;
 };
 
 }  // namespace ramscout_sim_ros

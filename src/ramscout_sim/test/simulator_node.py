@@ -1,0 +1,135 @@
+#!/usr/bin/python3
+"""The simulator as a node: topics, frames, clock, services, lock step."""
+import math
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+from geometry_msgs.msg import Pose2D, PoseStamped
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState, LaserScan
+from std_srvs.srv import Empty, SetBool
+from tf2_msgs.msg import TFMessage
+
+from ramscout_sim.srv import SetPose, SetRate, Step
+
+PATIENCE_S = 15.0
+TOPICS = {"/clock": Clock, "scan": LaserScan, "odom": Odometry, "ground_truth": Odometry,
+          "joint_states": JointState, "/tf": TFMessage}
+
+
+class SimulatorNode(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("simulator_node_test")
+        cls.changed = threading.Condition()
+        cls.latest = {}
+        cls.scan_stamps = []
+        cls.answers = True
+        cls.answer = rospy.Publisher("answer", PoseStamped, queue_size=100)
+        for name, kind in TOPICS.items():
+            rospy.Subscriber(name, kind, lambda message, name=name: cls.receive(name, message),
+                             tcp_nodelay=True)
+        services = {"pause": SetBool, "reset": Empty, "set_pose": SetPose, "set_rate": SetRate, "step": Step}
+        cls.call = {}
+        for name, kind in services.items():
+            rospy.wait_for_service("simulator/" + name, PATIENCE_S)
+            cls.call[name] = rospy.ServiceProxy("simulator/" + name, kind)
+
+    @classmethod
+    def receive(cls, name, message):
+        with cls.changed:
+            cls.latest[name] = message
+            if name == "scan":
+                cls.scan_stamps.append(message.header.stamp)
+            cls.changed.notify_all()
+        if name == "scan" and cls.answers:
+            cls.answer.publish(PoseStamped(header=message.header))
+
+    def wait_for(self, condition, what):
+        with self.changed:
+            self.assertTrue(self.changed.wait_for(condition, PATIENCE_S), what)
+
+    def setUp(self):
+        type(self).answers = True
+        self.call["reset"]()
+        self.call["pause"](False)
+        self.wait_for(lambda: set(self.latest) == set(TOPICS), "not every topic came: %s" % list(self.latest))
+
+    def pause(self):
+        """Pauses at rest and forgets what came before."""
+        self.assertTrue(self.call["pause"](True).success)
+        time.sleep(0.2)  # for messages that are on their way
+
+    def test_topics_carry_standard_frames(self):
+        self.wait_for(lambda: len(self.scan_stamps) > 1, "no scans")
+        self.pause()
+        self.assertEqual(self.latest["scan"].header.frame_id, "laser")
+        self.assertEqual(len(self.latest["scan"].ranges), 1081)
+        self.assertFalse(any(math.isnan(r) for r in self.latest["scan"].ranges))
+        self.assertEqual(self.latest["odom"].header.frame_id, "odom")
+        self.assertEqual(self.latest["odom"].child_frame_id, "base_link")
+        self.assertEqual(self.latest["ground_truth"].header.frame_id, "world")
+        self.assertEqual(self.latest["joint_states"].name, ["left_wheel_joint", "right_wheel_joint"])
+        transform = self.latest["/tf"].transforms[0]
+        self.assertEqual((transform.header.frame_id, transform.child_frame_id), ("odom", "base_link"))
+
+    def test_a_paused_clock_stands_and_step_moves_it_by_what_was_asked(self):
+        self.pause()
+        first = self.call["step"](0.5)
+        self.assertTrue(first.success, first.message)
+        second = self.call["step"](0.25)
+        self.assertTrue(second.success, second.message)
+        self.assertAlmostEqual((second.now - first.now).to_sec(), 0.25, places=6)
+        self.wait_for(lambda: (second.now - self.latest["/clock"].clock).to_sec() < 0.0101, "the clock stayed behind")
+        time.sleep(0.3)
+        self.assertLessEqual(self.latest["/clock"].clock, second.now)
+
+    def test_steps_out_of_range_or_while_running_are_refused(self):
+        self.assertFalse(self.call["step"](0.1).success)
+        self.pause()
+        for duration in (0.0, -1.0, 1e9, float("nan"), float("inf")):
+            response = self.call["step"](duration)
+            self.assertFalse(response.success, duration)
+            self.assertIn("duration", response.message)
+
+    def test_rates_out_of_range_are_refused(self):
+        for rate in (-1.0, 1e9, float("nan"), float("inf")):
+            response = self.call["set_rate"](rate)
+            self.assertFalse(response.success, rate)
+            self.assertIn("real_time_factor", response.message)
+        self.assertTrue(self.call["set_rate"](0.0).success)
+
+    def test_teleports_are_refused_into_walls_and_to_nowhere(self):
+        self.pause()
+        for x, y in ((0.0, 2.5), (float("nan"), 2.5), (1e9, 0.0)):
+            response = self.call["set_pose"](Pose2D(x, y, 0.0))
+            self.assertFalse(response.success, (x, y))
+            self.assertTrue(response.message)
+        self.assertTrue(self.call["set_pose"](Pose2D(2.0, 1.5, 1.0)).success)
+        self.assertTrue(self.call["step"](0.1).success)
+        self.wait_for(lambda: abs(self.latest["ground_truth"].pose.pose.position.x - 2.0) < 1e-3, "not teleported")
+        self.assertLess(abs(self.latest["odom"].pose.pose.position.x), 1e-3)
+
+    def test_reset_starts_again(self):
+        self.pause()
+        self.assertTrue(self.call["step"](1.0).success)
+        self.call["reset"]()
+        response = self.call["step"](0.2)
+        self.assertTrue(response.success, response.message)
+        self.assertAlmostEqual(response.now.to_sec(), 1.2, places=6)
+
+    def test_without_an_answer_the_clock_waits_even_after_a_reset(self):
+        self.wait_for(lambda: self.latest["/clock"].clock.to_sec() > 3.0, "the clock does not run")
+        type(self).answers = False
+        self.call["reset"]()
+        time.sleep(1.0)
+        # Held at the first or second scan that nobody answered, not seconds further.
+        self.assertLess(self.latest["/clock"].clock.to_sec(), 1.5)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("ramscout_sim", "simulator_node", SimulatorNode)
