@@ -13,6 +13,8 @@ import rostest
 # node type: (package, a parameter it has, a value out of its range)
 NODES = {
     "fast_slam": ("ram_slam", "particle_amount", "-1"),
+    "laser_odometry": ("ram_slam", "key_scan_distance_m", "0.0"),
+    "map_smoother": ("ram_slam", "key_scan_distance_m", "0.0"),
     "occupancy_mapper": ("ram_slam", "resolution", "0.0"),
     "kinematics": ("ramscout_kinematics", "buffer_duration_s", "-1.0"),
     "feature_detector": ("ramscout_feature_detector", "ppm", "0"),

@@ -89,6 +89,9 @@ void LaserOdometryParameters::validate() const {
 
 LaserOdometryParameters readLaserOdometryParameters(ram_parameters::ParameterReader& reader) {
   LaserOdometryParameters parameters;
+  reader.read("odom_frame", parameters.odom_frame);
+  reader.read("base_frame", parameters.base_frame);
+  reader.read("use_wheels", parameters.use_wheels);
   reader.read("neighbour_count", parameters.surfaces.neighbour_count);
   reader.read("max_gap_m", parameters.surfaces.max_gap_m);
   reader.read("max_line_deviation_m", parameters.surfaces.max_line_deviation_m);

@@ -23,8 +23,9 @@ constexpr double kSolveBeyondM =
     0.1;  // a closure that moves the newest pose by more is solved for at once
 constexpr double kSolveBeyondRad = 0.03;
 constexpr double kMinTrust = 0.5;
-constexpr std::size_t kSamePlaceKeys =
-    10;  // a refused closure is not found again so many key scans beside
+// A closure is not searched for again so many key scans beside one that is known.
+constexpr std::size_t kRefusedKeys = 10;
+constexpr std::size_t kAcceptedKeys = 4;
 constexpr int kMaxSweeps = 2;
 constexpr double kSweepPathM =
     30.0;  // once all loops found are closed, no pose has drifted by more path than this
@@ -64,6 +65,7 @@ void MapSmootherParameters::validate() const {
   loops.validate();
   graph.validate();
   refinement.validate();
+  requirePositive("optimize_period_s", optimize_period_s);
   requirePositive("key_scan_distance_m", key_scan_distance_m);
   requirePositive("key_scan_angle_rad", key_scan_angle_rad);
   requirePositive("loop_search_distance_m", loop_search_distance_m);
@@ -80,6 +82,9 @@ void MapSmootherParameters::validate() const {
 
 MapSmootherParameters readMapSmootherParameters(ram_parameters::ParameterReader& reader) {
   MapSmootherParameters parameters;
+  reader.read("map_frame", parameters.map_frame);
+  reader.read("base_frame", parameters.base_frame);
+  reader.read("optimize_period_s", parameters.optimize_period_s);
   reader.read("neighbour_count", parameters.surfaces.neighbour_count);
   reader.read("max_gap_m", parameters.surfaces.max_gap_m);
   reader.read("max_line_deviation_m", parameters.surfaces.max_line_deviation_m);
@@ -211,13 +216,15 @@ PoseEdge MapSmoother::motionEdge(std::size_t to) const {
   return edge;
 }
 
-bool MapSmoother::isRefused(std::size_t from, std::size_t to) const {
-  const auto near = [](std::size_t a, std::size_t b) {
-    return (a > b ? a - b : b - a) <= kSamePlaceKeys;
+bool MapSmoother::isSettled(std::size_t from, std::size_t to) const {
+  const auto near = [](std::size_t a, std::size_t b, std::size_t reach) {
+    return (a > b ? a - b : b - a) <= reach;
   };
   return std::any_of(closures_.begin(), closures_.end(), [&](const LoopClosure& closure) {
-    return closure.state == ClosureState::kRefused && near(closure.edge.from, from) &&
-           near(closure.edge.to, to);
+    if (closure.state == ClosureState::kOutvoted) return false;
+    const std::size_t reach =
+        closure.state == ClosureState::kRefused ? kRefusedKeys : kAcceptedKeys;
+    return near(closure.edge.from, from, reach) && near(closure.edge.to, to, reach);
   });
 }
 
@@ -230,7 +237,7 @@ bool MapSmoother::searchLoops(std::size_t newest, double max_path_m) {
   if (candidates.size() > kVerifiedCandidates) candidates.resize(kVerifiedCandidates);
   bool found = false;
   for (const std::size_t candidate : candidates) {
-    if (isRefused(candidate, newest)) continue;
+    if (isSettled(candidate, newest)) continue;
     const auto match = verifyLoop(key_scans_, candidate, newest, paths_m[candidate],
                                   parameters_.matcher, parameters_.loops);
     if (!match) continue;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "ram_parameters/parameter_reader.hpp"
@@ -16,6 +17,9 @@ namespace ram_slam {
 
 /// Settings of LaserOdometry.
 struct LaserOdometryParameters {
+  std::string odom_frame = "odom";       ///< what the node calls the frame of its estimate
+  std::string base_frame = "base_link";  ///< and of the robot's base
+  bool use_wheels = true;                ///< false: the node does not wait for wheel odometry
   SurfaceParameters surfaces;
   ScanMatcherParameters matcher;
   double key_scan_distance_m = 0.3;    ///< a new key scan after so much motion

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "ram_parameters/parameter_reader.hpp"
@@ -19,6 +20,9 @@ namespace ram_slam {
 
 /// Settings of MapSmoother.
 struct MapSmootherParameters {
+  std::string map_frame = "map";  ///< what the node calls the frame of the corrected trajectory
+  std::string base_frame = "base_link";  ///< and of the robot's base
+  double optimize_period_s = 5.0;        ///< least time between two optimizations of the node
   SurfaceParameters surfaces;
   ScanMatcherParameters matcher;
   LoopSearchParameters loops;
@@ -117,7 +121,8 @@ private:
   /// Looks for places that key scan `newest` shares with earlier ones, as if drifted by at most so
   /// much path.
   bool searchLoops(std::size_t newest, double max_path_m);
-  bool isRefused(std::size_t from, std::size_t to) const;
+  /// Whether a closure between two key scans, or beside them, was accepted or refused already.
+  bool isSettled(std::size_t from, std::size_t to) const;
   void sweepLoops();
   std::vector<double> pathsTo(std::size_t key) const;
   PoseGraph laserGraph() const;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+
+#include <nav_msgs/Odometry.h>
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/pose2.hpp"
+
+namespace ram_slam_ros {
+
+/// A scan with the laser's mount and the odometry at its stamp.
+struct ScanWithOdometry {
+  ram_slam::LaserScan scan;
+  ram_slam::Pose2 base_from_laser;
+  std::optional<ram_slam::Pose2> odom_from_base;
+};
+
+/// Holds scans back until the odometry reaches their stamps.
+class ScanOdometryQueue {
+public:
+  /// \param needs_odometry  false: scans go through at once, without odometry
+  ScanOdometryQueue(std::string base_frame, bool needs_odometry);
+
+  /// \throws std::invalid_argument for a message that cannot be used
+  void addScan(const sensor_msgs::LaserScan& message);
+  void addOdometry(const nav_msgs::Odometry& message);
+
+  /// The next scan whose odometry and mount are known; none if there is none yet. Scans that waited
+  /// for longer than a second of stamps are dropped with a warning.
+  std::optional<ScanWithOdometry> next();
+
+private:
+  struct Waiting {
+    ram_slam::LaserScan scan;
+    std::string frame;
+  };
+
+  std::optional<ram_slam::Pose2> odometryAt(std::int64_t stamp_ns) const;
+  std::optional<ScanWithOdometry> complete(const Waiting& waiting) const;
+
+  std::string base_frame_;
+  bool needs_odometry_;
+  std::deque<Waiting> scans_;
+  std::deque<ram_slam::StampedPose2> odometry_;
+  tf2_ros::Buffer transforms_;
+  tf2_ros::TransformListener listener_{transforms_};
+};
+
+}  // namespace ram_slam_ros
