@@ -10,6 +10,7 @@
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/LaserScan.h>
 #include <std_msgs/Float32.h>
+#include <std_msgs/String.h>
 
 #include "ramscout_sim/ros/conversions.hpp"
 
@@ -54,6 +55,7 @@ SimulatorParameters readSimulatorParameters(ram_parameters::ParameterReader& rea
   reader.read("world", p.world);
   reader.read("tour", p.tour);
   reader.read("robot", p.robot);
+  reader.read("faults", p.faults);
   reader.read("laser_frame", p.laser_frame);
   reader.read("real_time_factor", p.real_time_factor);
   reader.read("clock_rate_hz", p.clock_rate_hz);
@@ -103,7 +105,12 @@ SimulatorNode::~SimulatorNode() {
 }
 
 ramscout_sim::Simulation SimulatorNode::makeSimulation() const {
-  return {parameters_.simulation, robot_, world_, tour_};
+  ramscout_sim::Simulation simulation(parameters_.simulation, robot_, world_, tour_);
+  if (!parameters_.faults.empty()) {
+    for (const ramscout_sim::Fault& fault : ramscout_sim::readFaults(parameters_.faults))
+      simulation.inject(fault);
+  }
+  return simulation;
 }
 
 void SimulatorNode::advertise() {
@@ -119,7 +126,9 @@ void SimulatorNode::advertise() {
     command_ = node_.subscribe("cmd_vel", 10, &SimulatorNode::onCommand, this,
                                ros::TransportHints().tcpNoDelay());
   }
-  services_ = {private_node_.advertiseService("pause", &SimulatorNode::onPause, this),
+  faults_ = node_.advertise<std_msgs::String>("faults", kQueue);
+  services_ = {private_node_.advertiseService("inject_fault", &SimulatorNode::onInjectFault, this),
+               private_node_.advertiseService("pause", &SimulatorNode::onPause, this),
                private_node_.advertiseService("reset", &SimulatorNode::onReset, this),
                private_node_.advertiseService("set_pose", &SimulatorNode::onSetPose, this),
                private_node_.advertiseService("set_rate", &SimulatorNode::onSetRate, this),
@@ -165,6 +174,12 @@ void SimulatorNode::publish(const ramscout_sim::Outputs& outputs) {
   }
   if (outputs.ground_truth)
     ground_truth_.publish(toMessage(*outputs.ground_truth, robot_.base_frame));
+  for (const ramscout_sim::Fault& fault : outputs.started_faults) {
+    std_msgs::String message;
+    message.data = ramscout_sim::toString(fault.kind);
+    faults_.publish(message);
+    ROS_INFO_STREAM("Fault: " << message.data);
+  }
   if (outputs.scan) {
     const sensor_msgs::LaserScan scan =
         toMessage(*outputs.scan, parameters_.simulation.lidar, robot_.laser_frame);
@@ -227,6 +242,24 @@ void SimulatorNode::onCommand(const geometry_msgs::Twist& message) {
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(1.0, "cmd_vel: " << error.what());
   }
+}
+
+bool SimulatorNode::onInjectFault(ramscout_sim::InjectFault::Request& request,
+                                  ramscout_sim::InjectFault::Response& response) {
+  try {
+    ramscout_sim::Fault fault;
+    fault.kind = ramscout_sim::parseFaultKind(request.kind);
+    fault.duration_s = request.duration;
+    fault.amount = request.amount;
+    fault.angle_min_rad = request.angle_min;
+    fault.angle_max_rad = request.angle_max;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    simulation_.inject(fault);
+    response.success = true;
+  } catch (const std::exception& error) {
+    response.message = error.what();
+  }
+  return true;
 }
 
 bool SimulatorNode::onPause(std_srvs::SetBool::Request& request,

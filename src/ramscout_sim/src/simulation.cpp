@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace ramscout_sim {
@@ -91,6 +92,7 @@ void Simulation::command(const Twist2& twist) {
 Twist2 Simulation::wantedTwist() {
   const DriveParameters& limits = parameters_.drive;
   Twist2 wanted;
+  if (activeFault(FaultKind::kMotorsDead)) return wanted;
   if (driver_) {
     wanted = driver_->drive(toPose2(physics_.worldFromBase()));
   } else if (now_ns_ - commanded_at_ns_ <= std::llround(limits.command_timeout_s * 1e9)) {
@@ -126,11 +128,12 @@ Outputs Simulation::step() {
   const std::int64_t next_ns =
       kStart_ns + std::llround(static_cast<double>(steps_) / parameters_.physics_rate_hz * 1e9);
   const double duration_s = 1.0 / parameters_.physics_rate_hz;
+  startFaults(outputs);
   physics_.step(duration_s, wheelCommand(duration_s));
   now_ns_ = next_ns;
   rememberPose();
   if (now_ns_ >= dueAt_ns(odometry_count_, parameters_.odometry_rate_hz)) {
-    outputs.odometry = odometry_.update(now_ns_, physics_.wheelAngles_rad());
+    outputs.odometry = odometry_.update(now_ns_, encoderAngles_rad());
     outputs.ground_truth = groundTruth();
     ++odometry_count_;
   }
@@ -146,7 +149,7 @@ void Simulation::rememberPose() {
 std::optional<Scan> Simulation::scanIfDue() {
   const std::int64_t stamp_ns = dueAt_ns(scan_count_, parameters_.lidar.scan_rate_hz);
   if (now_ns_ < stamp_ns + std::llround(parameters_.lidar.sweep_s() * 1e9)) return std::nullopt;
-  const Scan scan = lidar_.measure(stamp_ns, scan_count_, recent_path_, ray_caster_);
+  Scan scan = lidar_.measure(stamp_ns, scan_count_, recent_path_, ray_caster_);
   ++scan_count_;
   // Keep one sample at or before the next scan's start.
   const std::int64_t next_ns = dueAt_ns(scan_count_, parameters_.lidar.scan_rate_hz);
@@ -158,7 +161,84 @@ std::optional<Scan> Simulation::scanIfDue() {
                                recent_path_.stamps_ns.begin() + obsolete);
   recent_path_.world_from_laser.erase(recent_path_.world_from_laser.begin(),
                                       recent_path_.world_from_laser.begin() + obsolete);
+  if (activeFault(FaultKind::kScanDropout)) return std::nullopt;
+  maskSector(scan);
   return scan;
+}
+
+void Simulation::inject(const Fault& fault) {
+  fault.validate();
+  Fault scheduled = fault;
+  scheduled.start_s = std::max(fault.start_s, static_cast<double>(now_ns_ - kStart_ns) * 1e-9);
+  waiting_faults_.push_back(scheduled);
+}
+
+void Simulation::startFaults(Outputs& outputs) {
+  const double now_s = static_cast<double>(now_ns_ - kStart_ns) * 1e-9;
+  const auto started =
+      std::stable_partition(waiting_faults_.begin(), waiting_faults_.end(),
+                            [now_s](const Fault& fault) { return fault.start_s > now_s; });
+  for (auto fault = started; fault != waiting_faults_.end(); ++fault) {
+    if (fault->kind == FaultKind::kPush) {
+      push(fault->amount);
+    } else if (fault->kind == FaultKind::kOdometryReset) {
+      odometry_.reset();
+    } else {
+      started_faults_.push_back(*fault);
+    }
+    outputs.started_faults.push_back(*fault);
+  }
+  waiting_faults_.erase(started, waiting_faults_.end());
+}
+
+/// As far to the side as there is room.
+void Simulation::push(double left_m) {
+  constexpr int kTries = 10;
+  const Pose2 before = toPose2(physics_.worldFromBase());
+  for (int i = kTries; i > 0; --i) {
+    try {
+      physics_.setPose(before * Pose2{0.0, left_m * i / kTries, 0.0});
+      return;
+    } catch (const std::invalid_argument&) {
+      continue;  // a solid is in the way
+    }
+  }
+}
+
+/// The fault of this kind that holds now and started last; null if there is none.
+const Fault* Simulation::activeFault(FaultKind kind) const {
+  const double now_s = static_cast<double>(now_ns_ - kStart_ns) * 1e-9;
+  for (auto fault = started_faults_.rbegin(); fault != started_faults_.rend(); ++fault) {
+    if (fault->kind == kind && now_s < fault->start_s + fault->duration_s) return &*fault;
+  }
+  return nullptr;
+}
+
+WheelPair Simulation::encoderAngles_rad() {
+  const WheelPair angles = physics_.wheelAngles_rad();
+  const double left_rad = angles.left - true_angles_rad_.left;
+  const double right_rad = angles.right - true_angles_rad_.right;
+  if (const Fault* slip = activeFault(FaultKind::kWheelSlip)) {
+    encoder_error_rad_.left += slip->amount * left_rad;
+    encoder_error_rad_.right += slip->amount * right_rad;
+  }
+  if (activeFault(FaultKind::kLeftEncoderDead)) encoder_error_rad_.left -= left_rad;
+  if (activeFault(FaultKind::kRightEncoderDead)) encoder_error_rad_.right -= right_rad;
+  true_angles_rad_ = angles;
+  return {angles.left + encoder_error_rad_.left, angles.right + encoder_error_rad_.right};
+}
+
+void Simulation::maskSector(Scan& scan) const {
+  const Fault* sector = activeFault(FaultKind::kScanSector);
+  if (!sector) return;
+  const LidarParameters& lidar = parameters_.lidar;
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    const double bearing_rad =
+        lidar.angle_min_rad + static_cast<double>(beam) * lidar.angleIncrement_rad();
+    if (bearing_rad >= sector->angle_min_rad && bearing_rad <= sector->angle_max_rad) {
+      scan.ranges_m[beam] = -std::numeric_limits<float>::infinity();
+    }
+  }
 }
 
 void Simulation::setPose(const Pose2& world_from_base) {

@@ -118,6 +118,13 @@ OdometryReading WheelOdometry::update(std::int64_t stamp_ns, const WheelPair& wh
   return reading_;
 }
 
+void WheelOdometry::reset() {
+  reading_.odom_from_base = {};
+  reading_.covariance.setZero();
+  joint_covariance_.topRows<3>().setZero();
+  joint_covariance_.leftCols<3>().setZero();
+}
+
 void WheelOdometry::addSlip(const WheelPair& turned_rad) {
   const double distance_m = 0.5 * wheel_radius_m_ * (turned_rad.left + turned_rad.right);
   const double yaw_rad = wheel_radius_m_ * (turned_rad.right - turned_rad.left) / track_width_m_;

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ramscout_sim/faults.hpp"
 #include "ramscout_sim/lidar.hpp"
 #include "ramscout_sim/physics.hpp"
 #include "ramscout_sim/ray_caster.hpp"
@@ -60,6 +62,7 @@ struct Outputs {
   std::optional<OdometryReading> odometry;
   std::optional<GroundTruth> ground_truth;  ///< together with the odometry
   std::optional<Scan> scan;
+  std::vector<Fault> started_faults;
 };
 
 /// Robot, lidar and world, advanced step by step. Same parameters, commands and seed: same outputs,
@@ -88,6 +91,10 @@ public:
   /// Physics::setPose
   void setPose(const Pose2& world_from_base);
 
+  /// Lets something go wrong, now (start_s in the past) or later.
+  /// \throws std::invalid_argument from Fault::validate
+  void inject(const Fault& fault);
+
   std::int64_t now_ns() const { return now_ns_; }
   GroundTruth groundTruth() const;
   /// Share of the tour that is driven; 0 without a tour.
@@ -97,6 +104,11 @@ public:
 private:
   Twist2 wantedTwist();
   WheelPair wheelCommand(double duration_s);
+  void startFaults(Outputs& outputs);
+  void push(double left_m);
+  const Fault* activeFault(FaultKind kind) const;
+  WheelPair encoderAngles_rad();
+  void maskSector(Scan& scan) const;
   void rememberPose();
   std::optional<Scan> scanIfDue();
 
@@ -114,7 +126,11 @@ private:
   Twist2 commanded_;
   std::int64_t commanded_at_ns_ = 0;
   Twist2 setpoint_;
-  SensorPath recent_path_;  // back to the start of the scan that is under way
+  std::vector<Fault> waiting_faults_;
+  std::vector<Fault> started_faults_;
+  WheelPair true_angles_rad_;
+  WheelPair encoder_error_rad_;  // what faults have made the encoders count too much
+  SensorPath recent_path_;       // back to the start of the scan that is under way
 };
 
 }  // namespace ramscout_sim

@@ -68,6 +68,9 @@ public:
   /// The wheels' true angles at a later time. The first call sets the zero.
   OdometryReading update(std::int64_t stamp_ns, const WheelPair& wheel_angles_rad);
 
+  /// Starts again at pose and covariance zero; the counted wheel angles stay.
+  void reset();
+
 private:
   void addSlip(const WheelPair& turned_rad);
   void integrate(const WheelPair& counted_rad);

@@ -14,6 +14,7 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ramscout_sim/InjectFault.h"
 #include "ramscout_sim/SetPose.h"
 #include "ramscout_sim/SetRate.h"
 #include "ramscout_sim/Step.h"
@@ -29,6 +30,8 @@ struct SimulatorParameters {
   std::string tour;
   /// URDF file; empty: the text in the parameter `robot_description`.
   std::string robot;
+  /// Fault file; empty: nothing goes wrong unless inject_fault says so.
+  std::string faults;
   std::string laser_frame = "laser";
   /// Simulated seconds per second; 0: as fast as possible.
   double real_time_factor = 1.0;
@@ -63,6 +66,8 @@ private:
   ramscout_sim::Simulation makeSimulation() const;
 
   void onCommand(const geometry_msgs::Twist& message);
+  bool onInjectFault(ramscout_sim::InjectFault::Request& request,
+                     ramscout_sim::InjectFault::Response& response);
   bool onPause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool onReset(std_srvs::Empty::Request& request, std_srvs::Empty::Response& response);
   bool onSetPose(ramscout_sim::SetPose::Request& request,
@@ -92,7 +97,7 @@ private:
 
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
-  ros::Publisher clock_, scan_, odometry_, joints_, ground_truth_, progress_;
+  ros::Publisher clock_, scan_, odometry_, joints_, ground_truth_, progress_, faults_;
   std::vector<ros::ServiceServer> services_;
   ros::Subscriber command_;
   tf2_ros::TransformBroadcaster tf_;

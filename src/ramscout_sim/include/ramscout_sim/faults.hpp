@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ramscout_sim {
+
+/// Something that goes wrong on command.
+enum class FaultKind {
+  kScanDropout,
+  kScanSector,
+  kLeftEncoderDead,
+  kRightEncoderDead,
+  kWheelSlip,
+  kMotorsDead,
+  kPush,
+  kOdometryReset,
+};
+
+struct Fault {
+  FaultKind kind = FaultKind::kScanDropout;
+  double start_s = 0.0;  ///< simulated time since the start of the simulation
+  double duration_s = 1.0;
+  double amount = 0.0;         ///< wheel slip: share of the motion; push: metres to the left
+  double angle_min_rad = 0.0;  ///< of a masked sector
+  double angle_max_rad = 0.0;
+
+  /// \throws std::invalid_argument naming the field, its value and the bound it breaks
+  void validate() const;
+};
+
+/// The kind's name as in InjectFault.srv, and back. \throws std::invalid_argument for any other
+/// name
+std::string toString(FaultKind kind);
+FaultKind parseFaultKind(const std::string& name);
+
+/// Reads a YAML file with the list `faults`, each element with `kind`, `start_s` and, where they
+/// matter, `duration_s`, `amount`, `angle_min_rad`, `angle_max_rad`. \throws std::runtime_error or
+/// std::invalid_argument naming file, element and reason
+std::vector<Fault> readFaults(const std::string& path);
+
+}  // namespace ramscout_sim
