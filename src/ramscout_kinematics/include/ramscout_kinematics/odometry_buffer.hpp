@@ -31,7 +31,7 @@ struct OdometryBufferParameters {
   /// history is forgotten.
   double clock_jump_s = 1.0;
   /// How far past the newest sample the last velocity is trusted.
-  double max_extrapolation_s = 0.2;
+  double max_extrapolation_s = 0.0;
   /// Longer intervals between samples are gaps: the noise of the motion is multiplied by interval /
   /// gap_s.
   double gap_s = 0.5;
