@@ -64,9 +64,9 @@ class SlamInSimulation(unittest.TestCase):
         longest_gap_s = dict.fromkeys(last, 0.0)
         with rosbag.Bag(self.bag) as bag:
             start_s = bag.get_start_time()
-            for topic, message, stamp in bag.read_messages(topics=["/map", "/landmarks", "/tf"]):
+            for topic, message, stamp in bag.read_messages(topics=["/map", "/landmarks", "/tf_static"]):
                 key = topic
-                if topic == "/tf":
+                if topic == "/tf_static":
                     if not any(transform.child_frame_id == "laser" for transform in message.transforms):
                         continue
                     key = "laser"

@@ -210,6 +210,7 @@ void FastSlamNode::process(const ram_slam::FeatureList& list) {
     while (!tryUpdate(list)) {
       if (stop_ || !ros::ok()) return;
       if (steady_clock::now() - start > patience) {
+        ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No motion up to the features: " << missing_motion_);
         interrupted_ = true;
         motion_.interruptedUntil(list.stamp_ns);
         return;
@@ -232,7 +233,7 @@ bool FastSlamNode::tryUpdate(const ram_slam::FeatureList& list) {
   try {
     filter_->update(list, motion_, view.get());
   } catch (const std::out_of_range& error) {
-    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No motion up to the features: " << error.what());
+    missing_motion_ = error.what();
     return false;
   }
   publishPose();

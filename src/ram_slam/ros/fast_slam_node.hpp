@@ -85,6 +85,7 @@ private:
   std::unique_ptr<ram_slam::FastSlam> filter_;
   std::int64_t last_output_ns_ = 0;
   bool interrupted_ = false;
+  std::string missing_motion_;  ///< why the last list could not be used yet
 
   std::mutex queue_mutex_;
   std::condition_variable queue_changed_;

@@ -79,6 +79,7 @@ SlamPipeline::SlamPipeline(const SlamParameters& parameters)
       laser_odometry_(parameters.laser_odometry),
       feature_detector_(parameters.feature_detector),
       kinematics_(parameters.kinematics),
+      motion_(kinematics_),
       fast_slam_(parameters.fast_slam,
                  {{ramscout_feature_detector::kCornerType,
                    std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}),
@@ -117,17 +118,29 @@ void SlamPipeline::feedKinematics(std::int64_t stamp_ns, const Pose2& odom_from_
 void SlamPipeline::process(const ScanReading& reading) {
   try {
     if (parameters_.use_laser_odometry) refineOdometry(reading);
-    const ram_slam::FeatureList features =
-        feature_detector_.detect(reading.scan, reading.base_from_laser);
-    const ram_slam::LaserView view(reading.scan, reading.base_from_laser);
-    fast_slam_.update(features, kinematics_, &view);
-    feature_count_ += features.features.size();
+    updateFilter(reading);
     const Pose2 map_from_base = fast_slam_.estimate().pose;
     online_.push_back({reading.stampNs(), map_from_base});
     if (isKeyScan(map_from_base * reading.base_from_laser)) key_scans_.push_back(reading);
   } catch (const std::exception& error) {
     leaveOut(error.what());
   }
+}
+
+void SlamPipeline::updateFilter(const ScanReading& reading) {
+  const ram_slam::FeatureList features =
+      feature_detector_.detect(reading.scan, reading.base_from_laser);
+  const ram_slam::LaserView view(reading.scan, reading.base_from_laser);
+  try {
+    fast_slam_.update(features, motion_, &view);
+  } catch (const std::out_of_range&) {
+    // The odometry was interrupted: as in the node the filter goes on from here with a very
+    // uncertain pose.
+    motion_.interruptedUntil(reading.stampNs());
+    throw;
+  }
+  motion_.forget();
+  feature_count_ += features.features.size();
 }
 
 void SlamPipeline::refineOdometry(const ScanReading& reading) {

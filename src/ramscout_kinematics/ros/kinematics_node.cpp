@@ -34,6 +34,13 @@ bool answerOrFail(const char* service, const Answer& answer) {
   try {
     answer();
     return true;
+  } catch (const ramscout_kinematics::OdometryUnavailable& error) {
+    if (error.reason == ramscout_kinematics::Unavailable::kNotYetAvailable) {  // a client ahead of the odometry: it will ask again
+      ROS_DEBUG_STREAM(service << " refused: " << error.what());
+    } else {
+      ROS_WARN_STREAM_THROTTLE(1.0, service << " refused: " << error.what());
+    }
+    return false;
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(1.0, service << " refused: " << error.what());
     return false;

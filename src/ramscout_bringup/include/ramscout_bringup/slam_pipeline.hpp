@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/fast_slam/gap_bridge.hpp"
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
 #include "ram_slam/scan_matching/laser_odometry.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
@@ -60,6 +61,7 @@ private:
   std::optional<ram_slam::Pose2> wheelsAt(std::int64_t stamp_ns) const;
   void feedKinematics(std::int64_t stamp_ns, const ram_slam::Pose2& odom_from_base);
   void refineOdometry(const ScanReading& reading);
+  void updateFilter(const ScanReading& reading);
   void smooth(Results& results);
   bool isKeyScan(const ram_slam::Pose2& map_from_laser);
   void leaveOut(const std::string& reason) { ++left_out_[reason]; }
@@ -69,6 +71,7 @@ private:
   ram_slam::LaserOdometry laser_odometry_;
   ramscout_feature_detector::FeatureDetector feature_detector_;
   ramscout_kinematics::Kinematics kinematics_;
+  ram_slam::GapBridge motion_;
   ram_slam::FastSlam fast_slam_;
   ram_slam::MapSmoother map_smoother_;
   std::deque<ScanReading> waiting_;

@@ -36,7 +36,7 @@ struct FastSlamParameters {
       1.0;  ///< [nat] a pairing that beats its alternatives by less is not used
   double unknown_feature_density =
       0.05;                           ///< [1/m^2] of features that belong to no landmark of the map
-  double feature_noise_floor = 0.01;  ///< [m] added in quadrature to what the detector states
+  double feature_noise_floor = 0.03;  ///< [m] added in quadrature to what the detector states
   double resample_threshold = 0.5;    ///< resample below this fraction of effective particles
 
   double detection_probability = 0.5;         ///< that a landmark in view is found in one reading
