@@ -1,7 +1,9 @@
 #!/usr/bin/python3
-"""Every node starts alone, stops on SIGTERM, and refuses bad parameters with one FATAL line and a non-zero exit code."""
+"""Every node starts alone with each of its shipped files, stops on SIGTERM, and refuses bad parameters with one FATAL
+line and a non-zero exit code. (A key of a shipped file that no node reads makes its node refuse to start.)"""
 import itertools
 import os
+import pathlib
 import re
 import signal
 import subprocess
@@ -19,17 +21,23 @@ NODES = {
     "kinematics": ("ramscout_kinematics", "buffer_duration_s", "-1.0"),
     "feature_detector": ("ramscout_feature_detector", "ppm", "0"),
     "simulator": ("ramscout_sim", "physics_rate_hz", "-1.0"),
+    "world_map": ("ram_slam", "map_folder", None),  # has texts only: any number is one, none is out of range
 }
+CONFIG = pathlib.Path(__file__).resolve().parent.parent / "config"
+NEEDED = {"simulator": ["_robot:=" + str(CONFIG / "robots" / "ramscout.urdf")]}  # it has no robot of its own
 START_TIMEOUT_S = 20.0
 ALIVE_S = 1.5
 STOP_TIMEOUT_S = 5.0
 fresh_number = itertools.count()  # parameters outlive their node: no name is used twice
 
 
-def start(node, *parameters):
+def start(node, *parameters, file=None):
     package = NODES[node][0]
+    name = "%s_%d" % (node, next(fresh_number))
+    if file is not None:
+        subprocess.run(["rosparam", "load", str(file), "/" + name], check=True, stdout=subprocess.DEVNULL)
     return subprocess.Popen(
-        ["rosrun", package, node, "__name:=%s_%d" % (node, next(fresh_number)), *parameters],
+        ["rosrun", package, node, "__name:=" + name, *parameters],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
 
 
@@ -49,23 +57,29 @@ class NodesStartAndRefuse(unittest.TestCase):
         self.assertEqual(len(fatal_lines(output)), 1, output)
         self.assertIn(expected, fatal_lines(output)[0])
 
-    def starts_alone_and_stops_on_request(self, node):
-        process = start(node)
+    def starts_alone_and_stops_on_request(self, node, file):
+        process = start(node, *NEEDED.get(node, []), file=file)
         time.sleep(ALIVE_S)
         exit_code = process.poll()
-        os.killpg(process.pid, signal.SIGTERM)
+        if exit_code is None:
+            os.killpg(process.pid, signal.SIGTERM)
         output, _ = process.communicate(timeout=STOP_TIMEOUT_S)
         self.assertIsNone(exit_code, output)
 
 
+    def test_every_shipped_file_belongs_to_a_node(self):
+        self.assertEqual({path.stem for path in CONFIG.glob("*.yaml")}, set(NODES))
+
+
 def add_tests(node):
     _, key, bad_value = NODES[node]
-    tests = {
-        "starts_alone_and_stops_on_request": lambda self: self.starts_alone_and_stops_on_request(node),
-        "refuses_an_unknown_key": lambda self: self.refuses(node, "_no_such_key:=1", "no_such_key"),
-        "refuses_a_value_out_of_range": lambda self: self.refuses(node, "_%s:=%s" % (key, bad_value), key),
-        "refuses_a_wrong_type": lambda self: self.refuses(node, "_%s:=text" % key, key),
-    }
+    tests = {"refuses_an_unknown_key": lambda self: self.refuses(node, "_no_such_key:=1", "no_such_key")}
+    if bad_value is not None:
+        tests["refuses_a_value_out_of_range"] = lambda self: self.refuses(node, "_%s:=%s" % (key, bad_value), key)
+        tests["refuses_a_wrong_type"] = lambda self: self.refuses(node, "_%s:=text" % key, key)
+    for file in [CONFIG / (node + ".yaml"), *sorted((CONFIG / node).glob("*.yaml"))]:
+        tests["starts_alone_with_%s_and_stops_on_request" % file.stem] = (
+            lambda self, file=file: self.starts_alone_and_stops_on_request(node, file))
     for name, test in tests.items():
         setattr(NodesStartAndRefuse, "test_%s_%s" % (node, name), test)
 

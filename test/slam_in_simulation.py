@@ -19,6 +19,9 @@ RESULT_FILES = ("map.pgm", "map.yaml", "map.png", "trajectory.tum", "trajectory_
                 "summary.json")
 MAX_OFFLINE_POSITION_ERROR_M = 0.15
 MAX_OFFLINE_YAW_ERROR_DEG = 1.5
+MIN_OCCUPIED_IOU = 0.7  # within one cell
+MIN_FREE_IOU = 0.95
+MAX_WALL_DISTANCE_M = 0.06
 
 
 def run(*command, timeout_s=600):
@@ -93,6 +96,22 @@ class SlamInSimulation(unittest.TestCase):
             rms = {row["name"]: row["rms"] for row in json.load(file)}
         self.assertLess(rms["absolute, aligned (ATE): position"], MAX_OFFLINE_POSITION_ERROR_M)
         self.assertLess(rms["absolute, aligned (ATE): yaw"], MAX_OFFLINE_YAW_ERROR_DEG)
+
+    def test_4_the_map_looks_like_the_world(self):
+        true_map = os.path.join(self.folder.name, "true_map")
+        status, output = run("rosrun", "ramscout_sim", "export_world_map", rospy.get_param("/simulator/world"), true_map)
+        self.assertEqual(status, 0, output)
+        quality_file = os.path.join(self.folder.name, "quality.json")
+        status, output = run("rosrun", "ramscout_bringup", "evaluate_map", os.path.join(self.live, "map.yaml"),
+                             "--true-map", true_map + ".yaml",
+                             "--trajectory", os.path.join(self.live, "trajectory.tum"),
+                             "--ground-truth", os.path.join(self.live, "ground_truth.tum"), "--json", quality_file)
+        self.assertEqual(status, 0, output)
+        with open(quality_file) as file:
+            quality = json.load(file)
+        self.assertGreater(quality["occupied IoU"], MIN_OCCUPIED_IOU)
+        self.assertGreater(quality["free IoU"], MIN_FREE_IOU)
+        self.assertLess(quality["wall distance, mean [m]"], MAX_WALL_DISTANCE_M)
 
 
 if __name__ == "__main__":
