@@ -28,6 +28,13 @@ OdometryBuffer bufferOf(const std::vector<OdometrySample>& samples,
   return buffer;
 }
 
+/// Lets a request reach a little past the newest sample.
+OdometryBufferParameters extrapolating() {
+  OdometryBufferParameters parameters;
+  parameters.max_extrapolation_s = 0.2;
+  return parameters;
+}
+
 Unavailable reasonFor(const OdometryBuffer& buffer, double from_s, double to_s) {
   try {
     buffer.segments(after(from_s), after(to_s));
@@ -148,9 +155,7 @@ TEST(OdometryBuffer, ForgetsWhatIsOlderThanItsLength) {
 TEST(OdometryBuffer, RefusesIntervalsThatItDoesNotCover) {
   EXPECT_EQ(reasonFor(OdometryBuffer{OdometryBufferParameters()}, 0.0, 1.0),
             Unavailable::kNoOdometry);
-  OdometryBufferParameters parameters;
-  parameters.max_extrapolation_s = 0.2;
-  const OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.0}, 1.0, 0.1), parameters);
+  const OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.0}, 1.0, 0.1), extrapolating());
   EXPECT_EQ(reasonFor(buffer, -0.01, 0.5), Unavailable::kTooOld);
   EXPECT_EQ(reasonFor(buffer, 0.5, 1.21), Unavailable::kNotYetAvailable);
   EXPECT_THROW(buffer.segments(after(0.5), after(0.4)), std::invalid_argument);
@@ -172,7 +177,7 @@ TEST(OdometryBuffer, RefusalNamesTheBufferedStamps) {
 }
 
 TEST(OdometryBuffer, GoesOnAtTheLastVelocityForAMomentWithMoreNoise) {
-  const OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.5}, 1.0, 0.01));
+  const OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.5}, 1.0, 0.01), extrapolating());
   const Pose2 expected = ram_slam::exponential(Eigen::Vector3d(0.2, 0.0, 0.1));
   const Pose2 got = motion(buffer, 1.0, 1.2);
   EXPECT_NEAR(got.x_m, expected.x_m, 1e-9);
@@ -189,7 +194,8 @@ TEST(OdometryBuffer, GoesOnAtTheLastVelocityForAMomentWithMoreNoise) {
 }
 
 TEST(OdometryBuffer, TrustsTheReportedTwistAfterTheFirstSample) {
-  const OdometryBuffer buffer = bufferOf({{after(0.0), {3.0, 4.0, 1.0}, {0.5, 0.0, 0.0}}});
+  const OdometryBuffer buffer =
+      bufferOf({{after(0.0), {3.0, 4.0, 1.0}, {0.5, 0.0, 0.0}}}, extrapolating());
   EXPECT_NEAR(motion(buffer, 0.0, 0.1).x_m, 0.05, 1e-9);
 }
 
@@ -225,7 +231,7 @@ TEST(OdometryBuffer, OneSampleThatJumpsIsNotUsed) {
 }
 
 TEST(OdometryBuffer, JumpThatIsTheNewestIsNotExtrapolated) {
-  OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.0}, 1.0, 0.01));
+  OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.0}, 1.0, 0.01), extrapolating());
   EXPECT_EQ(buffer.add({after(1.01), {1.01, 5.0, 0.0}}), Added::kJump);
   EXPECT_EQ(buffer.newestNs(), after(1.0));
   EXPECT_NEAR(motion(buffer, 0.9, 1.1).y_m, 0.0, 1e-9);
