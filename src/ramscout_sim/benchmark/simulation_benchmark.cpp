@@ -25,9 +25,9 @@ Office office(int blocks) {
 }
 
 /// Scans of a UTM-30LX at every metre of the office's tour.
-std::vector<std::vector<Ray>> scansAlong(const Tour& tour) {
+std::vector<Rays> scansAlong(const Tour& tour) {
   const Lidar lidar({}, 1);
-  std::vector<std::vector<Ray>> scans;
+  std::vector<Rays> scans;
   for (std::size_t i = 1; i < tour.waypoints_m.size() && scans.size() < 60; ++i) {
     const Eigen::Vector2d leg = tour.waypoints_m[i] - tour.waypoints_m[i - 1];
     for (double way_m = 0.0; way_m < leg.norm() && scans.size() < 60; way_m += 1.0) {
@@ -42,19 +42,23 @@ std::vector<std::vector<Ray>> scansAlong(const Tour& tour) {
 
 void castRays(benchmark::State& state) {
   const Office building = office(static_cast<int>(state.range(0)));
-  const RayCaster caster(building.world);
+  const RayCaster caster(building.world, static_cast<InstructionSet>(state.range(1)));
   const auto scans = scansAlong(building.tour);
   std::int64_t rays = 0;
   for (auto _ : state) {
-    const std::vector<Ray>& scan =
-        scans[static_cast<std::size_t>(state.iterations()) % scans.size()];
+    const Rays& scan = scans[static_cast<std::size_t>(state.iterations()) % scans.size()];
     benchmark::DoNotOptimize(caster.cast(scan));
     rays += static_cast<std::int64_t>(scan.size());
   }
   state.SetItemsProcessed(rays);
   state.counters["solids"] = static_cast<double>(building.world.solids.size());
 }
-BENCHMARK(castRays)->Arg(1)->Arg(2)->Arg(4)->Arg(8);
+BENCHMARK(castRays)
+    ->ArgsProduct({{1, 2, 3, 4, 8},
+                   {static_cast<int>(InstructionSet::kSse42),
+                    static_cast<int>(InstructionSet::kAvx2),
+                    static_cast<int>(InstructionSet::kAvx512)}})
+    ->ArgNames({"blocks", "set"});
 
 /// ODE's rays in its best space, for comparison.
 void castRaysWithOde(benchmark::State& state) {
@@ -78,7 +82,9 @@ void castRaysWithOde(benchmark::State& state) {
   const dGeomID ode_ray = dCreateRay(nullptr, 30.0);
   std::int64_t rays = 0;
   for (auto _ : state) {
-    for (const Ray& ray : scans[static_cast<std::size_t>(state.iterations()) % scans.size()]) {
+    const Rays& scan = scans[static_cast<std::size_t>(state.iterations()) % scans.size()];
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const Ray ray = scan[i];
       dGeomRaySet(ode_ray, ray.origin_m.x(), ray.origin_m.y(), ray.origin_m.z(), ray.direction.x(),
                   ray.direction.y(), ray.direction.z());
       double nearest_m = 30.0;
@@ -98,7 +104,7 @@ void castRaysWithOde(benchmark::State& state) {
   dGeomDestroy(ode_ray);
   dSpaceDestroy(space);
 }
-BENCHMARK(castRaysWithOde)->Arg(1)->Arg(2)->Arg(4)->Arg(8);
+BENCHMARK(castRaysWithOde)->Arg(1)->Arg(2)->Arg(3)->Arg(4)->Arg(8)->ArgName("blocks");
 
 void stepPhysics(benchmark::State& state) {
   const Office building = office(2);

@@ -114,35 +114,69 @@ LidarParameters readLidarParameters(ram_parameters::ParameterReader& reader) {
 Lidar::Lidar(const LidarParameters& parameters, std::uint64_t seed)
     : parameters_((parameters.validate(), parameters)),
       seed_(seed),
-      range_bias_m_(parameters.range_bias_sigma_m * Random(seed, Stream::kLidarBias).gaussian()) {
+      range_bias_m_(parameters.range_bias_sigma_m * Random(seed, Stream::kLidarBias).gaussian()),
+      directions_in_laser_(parameters.beams, 2) {
   for (int beam = 0; beam < parameters_.beams; ++beam) {
     const double bearing_rad = parameters_.angle_min_rad + beam * parameters_.angleIncrement_rad();
-    directions_in_laser_.emplace_back(std::cos(bearing_rad), std::sin(bearing_rad), 0.0);
+    directions_in_laser_(beam, 0) = static_cast<float>(std::cos(bearing_rad));
+    directions_in_laser_(beam, 1) = static_cast<float>(std::sin(bearing_rad));
+    beam_offsets_ns_.push_back(std::llround(beam * parameters_.time_increment_s * 1e9));
   }
 }
 
-std::vector<Ray> Lidar::rays(std::int64_t stamp_ns, const SensorPath& path) const {
-  std::vector<Ray> rays(directions_in_laser_.size());
-  std::size_t before = 0;  // the sample at or before the beam
-  for (std::size_t beam = 0; beam < rays.size(); ++beam) {
-    const double beam_ns = static_cast<double>(beam) * parameters_.time_increment_s * 1e9;
-    const std::int64_t time_ns = stamp_ns + std::llround(beam_ns);
-    while (before + 1 < path.stamps_ns.size() && path.stamps_ns[before + 1] <= time_ns) ++before;
-    const std::size_t after = std::min(before + 1, path.stamps_ns.size() - 1);
-    const std::int64_t gap_ns = path.stamps_ns[after] - path.stamps_ns[before];
-    const double share = gap_ns > 0
-                             ? std::clamp(static_cast<double>(time_ns - path.stamps_ns[before]) /
-                                              static_cast<double>(gap_ns),
-                                          0.0, 1.0)
-                             : 0.0;
-    const Eigen::Isometry3d& a = path.world_from_laser[before];
-    const Eigen::Isometry3d& b = path.world_from_laser[after];
-    const Eigen::Vector3d& d = directions_in_laser_[beam];
-    const Eigen::Vector3d direction = (1.0 - share) * (a.linear() * d) + share * (b.linear() * d);
-    rays[beam].origin_m = ((1.0 - share) * a.translation() + share * b.translation()).cast<float>();
-    rays[beam].direction = direction.normalized().cast<float>();
+Rays Lidar::rays(std::int64_t stamp_ns, const SensorPath& path) const {
+  const Eigen::Index count = directions_in_laser_.rows();
+  Rays rays(static_cast<std::size_t>(count));
+  Eigen::Index first = 0;
+  for (std::size_t sample = 0; first < count; ++sample) {
+    Eigen::Index last = count;
+    if (sample + 1 < path.stamps_ns.size()) {  // the beams before the next sample
+      last = std::lower_bound(beam_offsets_ns_.begin() + first, beam_offsets_ns_.end(),
+                              path.stamps_ns[sample + 1] - stamp_ns) -
+             beam_offsets_ns_.begin();
+    }
+    if (last > first) interpolate(path, sample, stamp_ns, first, last, rays);
+    first = last;
   }
   return rays;
+}
+
+/// The beams [first, last) between a sample of the path and the next.
+void Lidar::interpolate(const SensorPath& path,
+                        std::size_t sample,
+                        std::int64_t stamp_ns,
+                        Eigen::Index first,
+                        Eigen::Index last,
+                        Rays& rays) const {
+  const std::size_t next = std::min(sample + 1, path.stamps_ns.size() - 1);
+  const Eigen::Matrix<float, 3, 4> at =
+      path.world_from_laser[sample].matrix().topRows<3>().cast<float>();
+  const Eigen::Matrix<float, 3, 4> change =
+      (path.world_from_laser[next].matrix() - path.world_from_laser[sample].matrix())
+          .topRows<3>()
+          .cast<float>();
+  const double gap_ns =
+      static_cast<double>(std::max<std::int64_t>(1, path.stamps_ns[next] - path.stamps_ns[sample]));
+  const Eigen::Index count = last - first;
+  const double begin_ns = static_cast<double>(
+      stamp_ns + beam_offsets_ns_[static_cast<std::size_t>(first)] - path.stamps_ns[sample]);
+  const Eigen::ArrayXf share =
+      Eigen::ArrayXf::LinSpaced(count, 0.0F, static_cast<float>(count - 1)) *
+          static_cast<float>(parameters_.time_increment_s * 1e9 / gap_ns) +
+      static_cast<float>(begin_ns / gap_ns);
+  const Eigen::ArrayXf s = share.max(0.0F).min(1.0F);
+  const auto along = directions_in_laser_.col(0).segment(first, count);
+  const auto across = directions_in_laser_.col(1).segment(first, count);
+  Eigen::ArrayX3f directions(count, 3);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    directions.col(axis) =
+        (at(axis, 0) + s * change(axis, 0)) * along + (at(axis, 1) + s * change(axis, 1)) * across;
+    rays.origins_m.col(axis).segment(first, count).array() = at(axis, 3) + s * change(axis, 3);
+  }
+  const Eigen::ArrayXf length = directions.square().rowwise().sum().sqrt();
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    rays.directions.col(axis).segment(first, count).array() = directions.col(axis) / length;
+  }
 }
 
 Scan Lidar::measure(std::int64_t stamp_ns,
@@ -152,30 +186,41 @@ Scan Lidar::measure(std::int64_t stamp_ns,
   Scan scan;
   scan.stamp_ns = stamp_ns;
   scan.ranges_m = world.cast(rays(stamp_ns, path));
-  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-    scan.ranges_m[beam] = toReading(scan.ranges_m[beam], scan_index * kMaxBeams + beam);
-  }
+  if (parameters_.outlier_probability > 0.0) addOutliers(scan.ranges_m, scan_index);
+  toReadings(scan.ranges_m, scan_index);
   return scan;
 }
 
-float Lidar::toReading(double true_range_m, std::uint64_t reading_index) const {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  const LidarParameters& p = parameters_;
-  if (!(true_range_m <= p.range_max_m)) return kInfinity;
-  double range_m = true_range_m;
-  if (p.outlier_probability > 0.0) {
-    Random random(seed_, Stream::kOutlier, reading_index);
-    if (random.uniform() < p.outlier_probability) range_m = random.uniform(0.0, true_range_m);
+void Lidar::addOutliers(std::vector<float>& ranges_m, std::uint64_t scan_index) const {
+  for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
+    if (!(ranges_m[beam] <= parameters_.range_max_m)) continue;
+    Random random(seed_, Stream::kOutlier, scan_index * kMaxBeams + beam);
+    if (random.uniform() < parameters_.outlier_probability)
+      ranges_m[beam] = static_cast<float>(random.uniform(0.0, ranges_m[beam]));
   }
-  const double sigma_m = std::max({p.range_sigma_m, p.range_sigma_per_m * range_m,
-                                   range_m >= p.far_range_m ? p.far_range_sigma_m : 0.0});
-  if (sigma_m > 0.0) range_m += sigma_m * Random(seed_, Stream::kRange, reading_index).gaussian();
-  range_m += range_bias_m_;
-  if (p.range_resolution_m > 0.0)
-    range_m = std::round(range_m / p.range_resolution_m) * p.range_resolution_m;
-  if (range_m < p.range_min_m) return -kInfinity;
-  if (range_m > p.range_max_m) return kInfinity;
-  return static_cast<float>(range_m);
+}
+
+/// Adds noise and bias, rounds, and says with infinity what is out of range.
+void Lidar::toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  // Adding it leaves no bit for fractions: what comes out is rounded to a whole number.
+  constexpr double kRounder = 0x1.8p52;
+  const LidarParameters& p = parameters_;
+  const std::vector<float> noise =
+      gaussians(Random(seed_, Stream::kRange, scan_index), ranges_m.size());
+  const double steps_per_m = p.range_resolution_m > 0.0 ? 1.0 / p.range_resolution_m : 0.0;
+  for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
+    const double true_m = std::min(static_cast<double>(ranges_m[beam]), p.range_max_m);
+    const double far_sigma_m = true_m >= p.far_range_m ? p.far_range_sigma_m : 0.0;
+    const double sigma_m =
+        std::max(std::max(p.range_sigma_m, p.range_sigma_per_m * true_m), far_sigma_m);
+    const double range_m = true_m + sigma_m * noise[beam] + range_bias_m_;
+    const double rounded_m = (range_m * steps_per_m + kRounder - kRounder) * p.range_resolution_m;
+    const double reading_m = steps_per_m > 0.0 ? rounded_m : range_m;
+    const double low_m = reading_m < p.range_min_m ? -kInfinity : reading_m;
+    const double high_m = low_m > p.range_max_m ? kInfinity : low_m;
+    ranges_m[beam] = static_cast<float>(ranges_m[beam] > p.range_max_m ? kInfinity : high_m);
+  }
 }
 
 }  // namespace ramscout_sim

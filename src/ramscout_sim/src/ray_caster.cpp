@@ -114,12 +114,26 @@ Mesh toMesh(const World& world) {
   return mesh;
 }
 
+const char* nameOf(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::kSse42:
+      return "sse4.2";
+    case InstructionSet::kAvx:
+      return "avx";
+    case InstructionSet::kAvx2:
+      return "avx2";
+    case InstructionSet::kAvx512:
+      return "avx512";
+  }
+  throw std::logic_error("unknown instruction set");
+}
+
 }  // namespace
 
 class RayCaster::Implementation {
 public:
-  explicit Implementation(const World& world) {
-    device_ = rtcNewDevice("threads=1,max_isa=avx2");
+  Implementation(const World& world, InstructionSet widest) {
+    device_ = rtcNewDevice((std::string("threads=1,max_isa=") + nameOf(widest)).c_str());
     if (!device_)
       throw std::runtime_error("Embree could not be started, error " +
                                std::to_string(rtcGetDeviceError(nullptr)));
@@ -139,40 +153,42 @@ public:
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
-  std::vector<float> cast(const std::vector<Ray>& rays) const {
-    constexpr std::size_t kPacket = 16;
-    std::vector<float> distances_m(rays.size());
+  std::vector<float> cast(const Rays& rays) const {
+    const Eigen::Index count = rays.origins_m.rows();
+    std::vector<float> distances_m(static_cast<std::size_t>(count));
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    alignas(64) RTCRayHit16 packet;
-    alignas(64) std::array<int, kPacket> valid;
-    for (std::size_t first = 0; first < rays.size(); first += kPacket) {
-      const std::size_t count = std::min(kPacket, rays.size() - first);
-      for (std::size_t i = 0; i < kPacket; ++i) {
-        valid[i] = i < count ? -1 : 0;
-        const Ray& ray = rays[first + std::min(i, count - 1)];
-        packet.ray.org_x[i] = ray.origin_m.x();
-        packet.ray.org_y[i] = ray.origin_m.y();
-        packet.ray.org_z[i] = ray.origin_m.z();
-        packet.ray.dir_x[i] = ray.direction.x();
-        packet.ray.dir_y[i] = ray.direction.y();
-        packet.ray.dir_z[i] = ray.direction.z();
-        packet.ray.tnear[i] = 0.0F;
-        packet.ray.tfar[i] = kInfinity;
-        packet.ray.time[i] = 0.0F;
-        packet.ray.mask[i] = ~0U;
-        packet.ray.flags[i] = 0;
-        packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-        packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-      }
+    RTCRayHit16 packet = {};
+    std::fill_n(packet.ray.mask, kPacket, ~0U);
+    for (Eigen::Index first = 0; first < count; first += kPacket) {
+      const int filled = static_cast<int>(std::min<Eigen::Index>(kPacket, count - first));
+      alignas(64) std::array<int, kPacket> valid = {};
+      std::fill_n(valid.begin(), filled, -1);
+      fill(rays, first, filled, packet);
       rtcIntersect16(valid.data(), scene_, &context, &packet);
-      std::copy_n(packet.ray.tfar, count, distances_m.begin() + static_cast<std::ptrdiff_t>(first));
+      std::copy_n(packet.ray.tfar, filled, distances_m.begin() + first);
     }
     return distances_m;
   }
 
 private:
+  static constexpr int kPacket = 16;
+
+  static void fill(const Rays& rays, Eigen::Index first, int count, RTCRayHit16& packet) {
+    const auto& [origins_m, directions] = rays;
+    std::copy_n(origins_m.col(0).data() + first, count, packet.ray.org_x);
+    std::copy_n(origins_m.col(1).data() + first, count, packet.ray.org_y);
+    std::copy_n(origins_m.col(2).data() + first, count, packet.ray.org_z);
+    std::copy_n(directions.col(0).data() + first, count, packet.ray.dir_x);
+    std::copy_n(directions.col(1).data() + first, count, packet.ray.dir_y);
+    std::copy_n(directions.col(2).data() + first, count, packet.ray.dir_z);
+    std::fill_n(packet.ray.tnear, kPacket, 0.0F);
+    std::fill_n(packet.ray.tfar, kPacket, kInfinity);
+    std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
+  }
+
   void attach(const Mesh& mesh) {
     const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(
@@ -195,12 +211,37 @@ private:
   RTCScene scene_ = nullptr;
 };
 
-RayCaster::RayCaster(const World& world)
-    : implementation_(std::make_unique<Implementation>(world)) {}
+Rays::Rays(std::size_t count)
+    : origins_m(static_cast<Eigen::Index>(count), 3),
+      directions(static_cast<Eigen::Index>(count), 3) {}
+
+Rays::Rays(const std::vector<Ray>& rays) : Rays(rays.size()) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    origins_m.row(static_cast<Eigen::Index>(i)) = rays[i].origin_m;
+    directions.row(static_cast<Eigen::Index>(i)) = rays[i].direction;
+  }
+}
+
+Ray Rays::operator[](std::size_t index) const {
+  const auto row = static_cast<Eigen::Index>(index);
+  return {origins_m.row(row), directions.row(row)};
+}
+
+InstructionSet parseInstructionSet(const std::string& name) {
+  for (const InstructionSet set : {InstructionSet::kSse42, InstructionSet::kAvx,
+                                   InstructionSet::kAvx2, InstructionSet::kAvx512}) {
+    if (name == nameOf(set)) return set;
+  }
+  throw std::invalid_argument("instruction_set must be sse4.2, avx, avx2 or avx512, got '" + name +
+                              "'");
+}
+
+RayCaster::RayCaster(const World& world, InstructionSet widest)
+    : implementation_(std::make_unique<Implementation>(world, widest)) {}
 RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(RayCaster&&) noexcept = default;
 RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
-std::vector<float> RayCaster::cast(const std::vector<Ray>& rays) const {
+std::vector<float> RayCaster::cast(const Rays& rays) const {
   return implementation_->cast(rays);
 }
 

@@ -15,6 +15,9 @@ void require(bool condition, const std::string& parameter, double value, const c
   }
 }
 
+/// How often the driver of a tour looks where the robot is.
+constexpr std::int64_t kDrivePeriod_ns = 10'000'000;
+
 double approach(double value, double target, double largest_change) {
   return value + std::clamp(target - value, -largest_change, largest_change);
 }
@@ -41,6 +44,7 @@ void SimulationParameters::validate() const {
           physics_rate_hz, "in [100, 10000]");
   require(odometry_rate_hz > 0.0 && odometry_rate_hz <= physics_rate_hz, "odometry_rate_hz",
           odometry_rate_hz, "in (0, physics_rate_hz]");
+  parseInstructionSet(instruction_set);
   drive.validate();
   odometry.validate();
   lidar.validate();
@@ -51,6 +55,7 @@ SimulationParameters readSimulationParameters(ram_parameters::ParameterReader& r
   reader.read("seed", p.seed);
   reader.read("physics_rate_hz", p.physics_rate_hz);
   reader.read("odometry_rate_hz", p.odometry_rate_hz);
+  reader.read("instruction_set", p.instruction_set);
   ram_parameters::ParameterReader drive = reader.section("drive");
   drive.read("max_speed_mps", p.drive.max_speed_mps);
   drive.read("max_turn_speed_radps", p.drive.max_turn_speed_radps);
@@ -72,7 +77,7 @@ Simulation::Simulation(const SimulationParameters& parameters,
                        const std::optional<Tour>& tour)
     : parameters_((parameters.validate(), parameters)),
       robot_(robot),
-      ray_caster_(world),
+      ray_caster_(world, parseInstructionSet(parameters.instruction_set)),
       physics_(withTrueGeometry(robot, parameters.odometry), world, world.start),
       odometry_(robot, parameters.odometry, static_cast<std::uint64_t>(parameters.seed)),
       lidar_(parameters.lidar, static_cast<std::uint64_t>(parameters.seed)) {
@@ -94,7 +99,11 @@ Twist2 Simulation::wantedTwist() {
   Twist2 wanted;
   if (activeFault(FaultKind::kMotorsDead)) return wanted;
   if (driver_) {
-    wanted = driver_->drive(toPose2(physics_.worldFromBase()));
+    if (now_ns_ >= next_drive_ns_) {
+      driven_ = driver_->drive(toPose2(physics_.worldFromBase()));
+      next_drive_ns_ = now_ns_ + kDrivePeriod_ns;
+    }
+    wanted = driven_;
   } else if (now_ns_ - commanded_at_ns_ <= std::llround(limits.command_timeout_s * 1e9)) {
     wanted = commanded_;
   }

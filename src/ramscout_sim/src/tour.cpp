@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "ram_parameters/parameter_reader.hpp"
@@ -87,18 +88,27 @@ Eigen::Vector2d TourDriver::pointAt(double way_m) const {
 
 /// Moves the driven way forward to the nearest point of the way within the lookahead.
 void TourDriver::advance(const Eigen::Vector2d& position_m) {
-  constexpr double kStep_m = 0.01;
-  double best_m = driven_m_;
-  double best_distance_m = (pointAt(driven_m_) - position_m).norm();
-  for (double way_m = driven_m_ + kStep_m; way_m <= std::min(driven_m_ + kLookahead_m, length_m_);
-       way_m += kStep_m) {
-    const double distance_m = (pointAt(way_m) - position_m).norm();
+  const double end_m = std::min(driven_m_ + kLookahead_m, length_m_);
+  const double begin_m = driven_m_;
+  double best_distance_m = std::numeric_limits<double>::infinity();
+  const auto after = std::upper_bound(waypoint_at_m_.begin(), waypoint_at_m_.end(), begin_m);
+  for (auto next = std::min(after, waypoint_at_m_.end() - 1); next != waypoint_at_m_.end();
+       ++next) {
+    const std::size_t i = static_cast<std::size_t>(next - waypoint_at_m_.begin());
+    const Eigen::Vector2d& corner = tour_.waypoints_m[i - 1];
+    if (waypoint_at_m_[i - 1] > end_m) break;
+    const Eigen::Vector2d direction = (tour_.waypoints_m[i] - corner).normalized();
+    const double low_m = std::max(begin_m, waypoint_at_m_[i - 1]);
+    const double high_m = std::max(low_m, std::min(end_m, waypoint_at_m_[i]));
+    const double way_m =
+        std::clamp(waypoint_at_m_[i - 1] + direction.dot(position_m - corner), low_m, high_m);
+    const double distance_m =
+        (corner + (way_m - waypoint_at_m_[i - 1]) * direction - position_m).norm();
     if (distance_m < best_distance_m) {
       best_distance_m = distance_m;
-      best_m = way_m;
+      driven_m_ = way_m;
     }
   }
-  driven_m_ = best_m;
 }
 
 Twist2 TourDriver::drive(const Pose2& world_from_base) {

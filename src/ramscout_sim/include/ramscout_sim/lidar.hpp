@@ -74,15 +74,23 @@ public:
                const RayCaster& world) const;
 
   /// The rays of a scan, in world axes.
-  std::vector<Ray> rays(std::int64_t stamp_ns, const SensorPath& path) const;
+  Rays rays(std::int64_t stamp_ns, const SensorPath& path) const;
 
 private:
-  float toReading(double true_range_m, std::uint64_t reading_index) const;
+  void interpolate(const SensorPath& path,
+                   std::size_t sample,
+                   std::int64_t stamp_ns,
+                   Eigen::Index first,
+                   Eigen::Index last,
+                   Rays& rays) const;
+  void addOutliers(std::vector<float>& ranges_m, std::uint64_t scan_index) const;
+  void toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) const;
 
   LidarParameters parameters_;
   std::uint64_t seed_;
   double range_bias_m_;
-  std::vector<Eigen::Vector3d> directions_in_laser_;
+  std::vector<std::int64_t> beam_offsets_ns_;
+  Eigen::ArrayX2f directions_in_laser_;  // in the plane of the beams
 };
 
 }  // namespace ramscout_sim

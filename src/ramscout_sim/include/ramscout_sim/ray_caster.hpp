@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,18 +17,39 @@ struct Ray {
   Eigen::Vector3f direction;
 };
 
-/// Finds what rays hit first (Embree, single thread, instruction set pinned to AVX2 or below so
-/// that results agree between processors of that kind).
+/// Rays side by side, one per row, so that sixteen at a time are ready to be cast.
+struct Rays {
+  Rays() = default;
+  explicit Rays(std::size_t count);
+  Rays(const std::vector<Ray>&
+           rays);  // NOLINT(google-explicit-constructor): the same in other order
+
+  std::size_t size() const { return static_cast<std::size_t>(origins_m.rows()); }
+  Ray operator[](std::size_t index) const;
+
+  Eigen::MatrixX3f origins_m;
+  Eigen::MatrixX3f directions;
+};
+
+/// The widest vector instructions that ray casting may use. A processor without them uses what it
+/// has. Results are the same to the bit wherever the same set is used; those of different sets
+/// differ by micrometres.
+enum class InstructionSet { kSse42, kAvx, kAvx2, kAvx512 };
+
+/// From `sse4.2`, `avx`, `avx2` or `avx512`. \throws std::invalid_argument for anything else
+InstructionSet parseInstructionSet(const std::string& name);
+
+/// Finds what rays hit first (Embree, single thread).
 class RayCaster {
 public:
   /// \throws std::runtime_error if Embree refuses
-  explicit RayCaster(const World& world);
+  explicit RayCaster(const World& world, InstructionSet widest = InstructionSet::kAvx2);
   ~RayCaster();
   RayCaster(RayCaster&&) noexcept;
   RayCaster& operator=(RayCaster&&) noexcept;
 
   /// Distance to the first surface (solids or floor) along each ray [m]; +Inf where there is none.
-  std::vector<float> cast(const std::vector<Ray>& rays) const;
+  std::vector<float> cast(const Rays& rays) const;
 
 private:
   class Implementation;

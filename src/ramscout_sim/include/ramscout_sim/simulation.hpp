@@ -37,6 +37,8 @@ struct SimulationParameters {
   int seed = 1;
   double physics_rate_hz = 1000.0;
   double odometry_rate_hz = 100.0;
+  /// The widest that ray casting uses: sse4.2, avx, avx2 or avx512.
+  std::string instruction_set = "avx2";
   DriveParameters drive;
   OdometryParameters odometry;
   LidarParameters lidar;
@@ -45,8 +47,8 @@ struct SimulationParameters {
   void validate() const;
 };
 
-/// Reads `seed`, `physics_rate_hz`, `odometry_rate_hz` and the sections `drive`, `odometry`,
-/// `lidar`. Leaves unknown keys of the top level to the caller, who may have more.
+/// Reads `seed`, `physics_rate_hz`, `odometry_rate_hz`, `instruction_set` and the sections `drive`,
+/// `odometry`, `lidar`. Leaves unknown keys of the top level to the caller, who may have more.
 SimulationParameters readSimulationParameters(ram_parameters::ParameterReader& reader);
 
 /// The robot as it really is.
@@ -125,6 +127,8 @@ private:
   std::uint64_t scan_count_ = 0;
   Twist2 commanded_;
   std::int64_t commanded_at_ns_ = 0;
+  Twist2 driven_;  // what the tour's driver last wanted
+  std::int64_t next_drive_ns_ = 0;
   Twist2 setpoint_;
   std::vector<Fault> waiting_faults_;
   std::vector<Fault> started_faults_;
