@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "ramscout_sim/lidar_effects.hpp"
 #include "ramscout_sim/random.hpp"
 
 namespace ramscout_sim {
@@ -106,6 +107,9 @@ LidarParameters readLidarParameters(ram_parameters::ParameterReader& reader) {
   reader.read("range_bias_sigma_m", p.range_bias_sigma_m);
   reader.read("range_resolution_m", p.range_resolution_m);
   reader.read("outlier_probability", p.outlier_probability);
+  reader.read("half_detection_range_m", p.half_detection_range_m);
+  reader.read("beam_divergence_rad", p.beam_divergence_rad);
+  reader.read("pulse_length_m", p.pulse_length_m);
   reader.rejectUnknown();
   p.validate();
   return p;
@@ -182,10 +186,20 @@ void Lidar::interpolate(const SensorPath& path,
 Scan Lidar::measure(std::int64_t stamp_ns,
                     std::uint64_t scan_index,
                     const SensorPath& path,
-                    const RayCaster& world) const {
+                    const RayCaster& world,
+                    const std::vector<Solid>& moving) const {
   Scan scan;
   scan.stamp_ns = stamp_ns;
-  scan.ranges_m = world.cast(rays(stamp_ns, path));
+  const Rays beams = rays(stamp_ns, path);
+  const std::vector<BeamWindow> windows =
+      moving.empty() ? std::vector<BeamWindow>() : windowsOf(moving, path);
+  if (needsEffects(parameters_, world, moving)) {
+    scan.ranges_m =
+        illuminate({beams, world, moving, windows}, parameters_, seed_, scan_index * kMaxBeams);
+  } else {
+    scan.ranges_m = world.cast(beams);
+    castMoving(beams, moving, windows, scan.ranges_m);
+  }
   if (parameters_.outlier_probability > 0.0) addOutliers(scan.ranges_m, scan_index);
   toReadings(scan.ranges_m, scan_index);
   return scan;
@@ -221,6 +235,38 @@ void Lidar::toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) c
     const double high_m = low_m > p.range_max_m ? kInfinity : low_m;
     ranges_m[beam] = static_cast<float>(ranges_m[beam] > p.range_max_m ? kInfinity : high_m);
   }
+}
+
+/// Each solid's bounding circle as seen in the laser's plane from somewhere on the path.
+std::vector<BeamWindow> Lidar::windowsOf(const std::vector<Solid>& moving,
+                                         const SensorPath& path) const {
+  const Eigen::Isometry3d& first = path.world_from_laser.front();
+  const Eigen::Isometry3d& last = path.world_from_laser.back();
+  const double travel_m = (last.translation() - first.translation()).norm();
+  const double turn_rad = Eigen::AngleAxisd(first.linear().transpose() * last.linear()).angle();
+  const double increment_rad = parameters_.angleIncrement_rad();
+  std::vector<BeamWindow> windows;
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    const Eigen::Vector3d center =
+        first.inverse(Eigen::Isometry) * moving[i].world_from_solid.translation();
+    const double radius_m = 0.5 * moving[i].size_m.norm() + travel_m;
+    const double distance_m = center.head<2>().norm();
+    if (std::abs(center.z()) > radius_m + distance_m * std::sin(turn_rad)) continue;
+    if (distance_m - radius_m > parameters_.range_max_m) continue;
+    const double half_rad =
+        distance_m > radius_m ? std::asin(radius_m / distance_m) + turn_rad : M_PI;
+    const double bearing_rad = std::atan2(center.y(), center.x());
+    for (const double turns_rad : {-2.0 * M_PI, 0.0, 2.0 * M_PI}) {
+      const double low = (bearing_rad + turns_rad - half_rad - parameters_.angle_min_rad);
+      const double high = (bearing_rad + turns_rad + half_rad - parameters_.angle_min_rad);
+      const double beams = parameters_.beams;
+      const double begin = std::clamp(std::floor(low / increment_rad), 0.0, beams);
+      const double end = std::clamp(std::ceil(high / increment_rad) + 1.0, 0.0, beams);
+      if (begin < end)
+        windows.push_back({i, static_cast<std::size_t>(begin), static_cast<std::size_t>(end)});
+    }
+  }
+  return windows;
 }
 
 }  // namespace ramscout_sim

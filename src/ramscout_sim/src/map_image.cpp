@@ -124,14 +124,40 @@ bool covers(const Solid& solid, const Eigen::Vector3d& point, double margin_m) {
       return local.head<2>().norm() <= half.x() + margin_m && std::abs(local.z()) <= half.z();
     case Shape::kSphere:
       return local.norm() <= half.x() + margin_m;
+    case Shape::kMesh:
+      break;  // has no inside
   }
   return false;
 }
 
+/// Marks the cells along the lines in which a mesh cuts the plane z = height.
+void drawMesh(const Solid& solid, double height_m, MapImage& map) {
+  const double r = map.resolution_m;
+  for (const auto& triangle : solid.mesh->triangles) {
+    std::vector<Eigen::Vector3d> crossings;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto corner = [&](std::size_t which) -> Eigen::Vector3d {
+        return solid.world_from_solid * solid.mesh->vertices_m[triangle[which % 3]].cast<double>();
+      };
+      const Eigen::Vector3d a = corner(i);
+      const Eigen::Vector3d b = corner(i + 1);
+      if ((a.z() < height_m) != (b.z() < height_m))
+        crossings.emplace_back(a + (height_m - a.z()) / (b.z() - a.z()) * (b - a));
+    }
+    if (crossings.size() != 2) continue;
+    const Eigen::Vector3d along = crossings[1] - crossings[0];
+    const int steps = static_cast<int>(std::ceil(along.norm() / (0.25 * r))) + 1;
+    for (int i = 0; i <= steps; ++i) {
+      const Eigen::Vector3d point = crossings[0] + static_cast<double>(i) / steps * along;
+      const int column = static_cast<int>(std::floor((point.x() - map.world_from_map.x_m) / r));
+      const int row = static_cast<int>(std::floor((point.y() - map.world_from_map.y_m) / r));
+      map.cells[static_cast<std::size_t>(row) * map.width_cells + column] = Cell::kOccupied;
+    }
+  }
+}
+
 void drawSolid(const Solid& solid, double height_m, MapImage& map) {
-  World alone;
-  alone.solids.push_back(solid);
-  const Eigen::AlignedBox3d bounds = boundsOf(alone);
+  const Eigen::AlignedBox3d bounds = boundsOf(solid);
   const double r = map.resolution_m;
   const auto cellOf = [r](double coordinate_m, double origin_m) {
     return static_cast<int>(std::floor((coordinate_m - origin_m) / r));
@@ -275,7 +301,13 @@ MapImage drawMap(const World& world, double height_m, double resolution_m) {
   map.width_cells = static_cast<int>(std::ceil((extent.x() + 2.0 * kMargin_m) / resolution_m)) + 1;
   map.height_cells = static_cast<int>(std::ceil((extent.y() + 2.0 * kMargin_m) / resolution_m)) + 1;
   map.cells.assign(static_cast<std::size_t>(map.width_cells) * map.height_cells, Cell::kUnknown);
-  for (const Solid& solid : world.solids) drawSolid(solid, height_m, map);
+  for (const Solid& solid : world.solids) {
+    if (solid.shape != Shape::kMesh) {
+      drawSolid(solid, height_m, map);
+    } else if (solid.solid) {
+      drawMesh(solid, height_m, map);
+    }
+  }
   const int column = static_cast<int>((world.start.x_m - map.world_from_map.x_m) / resolution_m);
   const int row = static_cast<int>((world.start.y_m - map.world_from_map.y_m) / resolution_m);
   if (column >= 0 && column < map.width_cells && row >= 0 && row < map.height_cells) {

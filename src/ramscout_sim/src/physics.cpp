@@ -52,6 +52,7 @@ private:
 using WorldHandle = Handle<dWorldID, dWorldDestroy>;
 using SpaceHandle = Handle<dSpaceID, dSpaceDestroy>;
 using GeomHandle = Handle<dGeomID, dGeomDestroy>;
+using MeshData = Handle<dTriMeshDataID, dGeomTriMeshDataDestroy>;
 using ContactGroup = Handle<dJointGroupID, dJointGroupDestroy>;
 
 dWorldID createWorld() {
@@ -111,6 +112,8 @@ dGeomID createGeom(dSpaceID space, const Solid& solid) {
       return dCreateCylinder(space, 0.5 * solid.size_m.x(), solid.size_m.z());
     case Shape::kSphere:
       return dCreateSphere(space, 0.5 * solid.size_m.x());
+    case Shape::kMesh:
+      break;  // needs data that outlive the geom: see addStatic
   }
   throw std::logic_error("unknown shape");
 }
@@ -163,8 +166,9 @@ public:
     dWorldSetERP(world_, kErrorReduction);
     dWorldSetCFM(world_, kWheelSoftness);
     dWorldSetContactMaxCorrectingVel(world_, kMaxCorrectingSpeed_mps);
-    for (const Solid& solid : world.solids)
-      placeGeom(createGeom(statics_, solid), solid.world_from_solid);
+    for (const Solid& solid : world.solids) {
+      if (solid.solid) addStatic(solid);
+    }
     createChassis();
     createWheel(robot.left, wheels_[0]);
     createWheel(robot.right, wheels_[1]);
@@ -231,6 +235,21 @@ public:
   }
 
 private:
+  void addStatic(const Solid& solid) {
+    if (solid.shape != Shape::kMesh) {
+      placeGeom(createGeom(statics_, solid), solid.world_from_solid);
+      return;
+    }
+    const TriangleMesh& mesh = *solid.mesh;
+    meshes_.push_back(solid.mesh);  // ODE reads it where it is
+    mesh_data_.emplace_back(dGeomTriMeshDataCreate());
+    dGeomTriMeshDataBuildSingle(mesh_data_.back(), mesh.vertices_m.data(), sizeof(Eigen::Vector3f),
+                                static_cast<int>(mesh.vertices_m.size()), mesh.triangles.data(),
+                                static_cast<int>(3 * mesh.triangles.size()), 3 * sizeof(unsigned));
+    placeGeom(dCreateTriMesh(statics_, mesh_data_.back(), nullptr, nullptr, nullptr),
+              solid.world_from_solid);
+  }
+
   void createChassis() {
     chassis_ = createBody(world_, robot_.chassis);
     Eigen::Isometry3d center_from_base = Eigen::Isometry3d::Identity();
@@ -357,6 +376,8 @@ private:
   double floor_friction_;
   WorldHandle world_;
   ContactGroup contacts_;
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes_;
+  std::vector<MeshData> mesh_data_;
   SpaceHandle statics_;
   SpaceHandle chassis_space_;
   GeomHandle floor_;

@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include <embree3/rtcore.h>
@@ -17,7 +19,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr double kLargestSagitta_m = 2e-4;  // how far a polygon may be off the circle it stands for
 constexpr double kFloorMargin_m = 100.0;
 
-/// Triangles of all solids, world axes.
+/// Triangles of all solids that answer light in the same way, world axes.
 struct Mesh {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<std::array<unsigned, 3>> triangles;
@@ -40,6 +42,7 @@ void addBox(const Solid& box, Mesh& mesh) {
       normal[axis] = sign * half[axis];
       u[(axis + 1) % 3] = half[(axis + 1) % 3];
       v[(axis + 2) % 3] = half[(axis + 2) % 3];
+      u *= sign;  // counter-clockwise from outside
       mesh.addQuad(
           {box.world_from_solid * (normal - u - v), box.world_from_solid * (normal + u - v),
            box.world_from_solid * (normal + u + v), box.world_from_solid * (normal - u + v)});
@@ -91,27 +94,51 @@ void addSphere(const Solid& sphere, Mesh& mesh) {
   }
 }
 
-Mesh toMesh(const World& world) {
-  Mesh mesh;
+void addMesh(const Solid& solid, Mesh& mesh) {
+  const unsigned first = static_cast<unsigned>(mesh.vertices.size());
+  const Eigen::Isometry3f world_from_solid = solid.world_from_solid.cast<float>();
+  for (const Eigen::Vector3f& vertex : solid.mesh->vertices_m)
+    mesh.vertices.push_back(world_from_solid * vertex);
+  for (const auto& [a, b, c] : solid.mesh->triangles)
+    mesh.triangles.push_back({first + a, first + b, first + c});
+}
+
+void addSolid(const Solid& solid, Mesh& mesh) {
+  switch (solid.shape) {
+    case Shape::kBox:
+      return addBox(solid, mesh);
+    case Shape::kCylinder:
+      return addCylinder(solid, mesh);
+    case Shape::kSphere:
+      return addSphere(solid, mesh);
+    case Shape::kMesh:
+      return addMesh(solid, mesh);
+  }
+}
+
+/// What an Embree geometry stands for.
+struct SurfaceKind {
+  std::uint32_t material = 0;
+  bool two_sided = false;
+  bool operator<(const SurfaceKind& other) const {
+    return std::tie(material, two_sided) < std::tie(other.material, other.two_sided);
+  }
+};
+
+std::map<SurfaceKind, Mesh> toMeshes(const World& world) {
+  std::map<SurfaceKind, Mesh> meshes;
   for (const Solid& solid : world.solids) {
-    switch (solid.shape) {
-      case Shape::kBox:
-        addBox(solid, mesh);
-        break;
-      case Shape::kCylinder:
-        addCylinder(solid, mesh);
-        break;
-      case Shape::kSphere:
-        addSphere(solid, mesh);
-        break;
-    }
+    if (!solid.seen) continue;
+    const SurfaceKind kind{static_cast<std::uint32_t>(solid.material), solid.shape == Shape::kMesh};
+    addSolid(solid, meshes[kind]);
   }
   const Eigen::AlignedBox3d bounds = boundsOf(world);
   const Eigen::Vector3d low = bounds.min() - Eigen::Vector3d::Constant(kFloorMargin_m);
   const Eigen::Vector3d high = bounds.max() + Eigen::Vector3d::Constant(kFloorMargin_m);
-  mesh.addQuad({Eigen::Vector3d(low.x(), low.y(), 0.0), Eigen::Vector3d(high.x(), low.y(), 0.0),
-                Eigen::Vector3d(high.x(), high.y(), 0.0), Eigen::Vector3d(low.x(), high.y(), 0.0)});
-  return mesh;
+  meshes[SurfaceKind()].addQuad(
+      {Eigen::Vector3d(low.x(), low.y(), 0.0), Eigen::Vector3d(high.x(), low.y(), 0.0),
+       Eigen::Vector3d(high.x(), high.y(), 0.0), Eigen::Vector3d(low.x(), high.y(), 0.0)});
+  return meshes;
 }
 
 const char* nameOf(InstructionSet set) {
@@ -140,7 +167,10 @@ public:
     scene_ = rtcNewScene(device_);
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-    attach(toMesh(world));
+    for (const auto& [kind, mesh] : toMeshes(world)) {
+      attach(mesh);
+      kinds_.push_back(kind);
+    }
     rtcCommitScene(scene_);
     const RTCError error = rtcGetDeviceError(device_);
     if (error != RTC_ERROR_NONE)
@@ -154,8 +184,34 @@ public:
   Implementation& operator=(const Implementation&) = delete;
 
   std::vector<float> cast(const Rays& rays) const {
+    std::vector<float> distances_m(rays.size());
+    eachPacket(rays, [&](Eigen::Index first, int filled, const RTCRayHit16& packet) {
+      std::copy_n(packet.ray.tfar, filled, distances_m.begin() + first);
+    });
+    return distances_m;
+  }
+
+  std::vector<Hit> trace(const Rays& rays) const {
+    std::vector<Hit> hits(rays.size());
+    eachPacket(rays, [&](Eigen::Index first, int filled, const RTCRayHit16& packet) {
+      for (int i = 0; i < filled; ++i) {
+        if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+        const SurfaceKind& kind = kinds_[packet.hit.geomID[i]];
+        const Eigen::Vector3f normal(packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]);
+        hits[static_cast<std::size_t>(first + i)] = {packet.ray.tfar[i], normal.normalized(),
+                                                     kind.material, kind.two_sided};
+      }
+    });
+    return hits;
+  }
+
+private:
+  static constexpr int kPacket = 16;
+
+  /// Calls `use(index of the first ray, count, result)` for every sixteen rays.
+  template <typename Use>
+  void eachPacket(const Rays& rays, const Use& use) const {
     const Eigen::Index count = rays.origins_m.rows();
-    std::vector<float> distances_m(static_cast<std::size_t>(count));
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -167,13 +223,9 @@ public:
       std::fill_n(valid.begin(), filled, -1);
       fill(rays, first, filled, packet);
       rtcIntersect16(valid.data(), scene_, &context, &packet);
-      std::copy_n(packet.ray.tfar, filled, distances_m.begin() + first);
+      use(first, filled, packet);
     }
-    return distances_m;
   }
-
-private:
-  static constexpr int kPacket = 16;
 
   static void fill(const Rays& rays, Eigen::Index first, int count, RTCRayHit16& packet) {
     const auto& [origins_m, directions] = rays;
@@ -209,6 +261,7 @@ private:
 
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
+  std::vector<SurfaceKind> kinds_;  // by Embree's geometry number
 };
 
 Rays::Rays(std::size_t count)
@@ -237,12 +290,20 @@ InstructionSet parseInstructionSet(const std::string& name) {
 }
 
 RayCaster::RayCaster(const World& world, InstructionSet widest)
-    : implementation_(std::make_unique<Implementation>(world, widest)) {}
+    : implementation_(std::make_unique<Implementation>(world, widest)),
+      materials_(world.materials),
+      has_clear_surfaces_(
+          std::any_of(world.solids.begin(), world.solids.end(), [&world](const Solid& solid) {
+            return solid.seen && world.materials[solid.material].surface != Surface::kOpaque;
+          })) {}
 RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(RayCaster&&) noexcept = default;
 RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 std::vector<float> RayCaster::cast(const Rays& rays) const {
   return implementation_->cast(rays);
+}
+std::vector<Hit> RayCaster::trace(const Rays& rays) const {
+  return implementation_->trace(rays);
 }
 
 }  // namespace ramscout_sim

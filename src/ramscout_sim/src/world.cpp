@@ -17,17 +17,38 @@ Solid makeWall(const Eigen::Vector2d& begin_m,
   return wall;
 }
 
+std::vector<Material> standardMaterials() {
+  std::vector<Material> materials(5);
+  materials[1].name = "wood";
+  materials[1].reflectivity = 0.5;
+  materials[2].name = "dark";
+  materials[2].reflectivity = 0.08;
+  materials[3].name = "glass";
+  materials[3].surface = Surface::kGlass;
+  materials[4].name = "mirror";
+  materials[4].surface = Surface::kMirror;
+  return materials;
+}
+
+Eigen::AlignedBox3d boundsOf(const Solid& solid) {
+  Eigen::AlignedBox3d own(-0.5 * solid.size_m, 0.5 * solid.size_m);
+  if (solid.shape == Shape::kMesh) {
+    own.setEmpty();
+    for (const Eigen::Vector3f& vertex : solid.mesh->vertices_m) own.extend(vertex.cast<double>());
+  }
+  Eigen::AlignedBox3d bounds;
+  for (int corner = 0; corner < 8; ++corner) {
+    bounds.extend(solid.world_from_solid *
+                  own.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+  }
+  return bounds;
+}
+
 Eigen::AlignedBox3d boundsOf(const World& world) {
   if (world.solids.empty())
     return {Eigen::Vector3d::Constant(-0.5), Eigen::Vector3d::Constant(0.5)};
   Eigen::AlignedBox3d bounds;
-  for (const Solid& solid : world.solids) {
-    const Eigen::AlignedBox3d own(-0.5 * solid.size_m, 0.5 * solid.size_m);
-    for (int corner = 0; corner < 8; ++corner) {
-      bounds.extend(solid.world_from_solid *
-                    own.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
-    }
-  }
+  for (const Solid& solid : world.solids) bounds.extend(boundsOf(solid));
   return bounds;
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ramscout_sim/moving_solids.hpp"
 #include "ramscout_sim/ray_caster.hpp"
 
 namespace ramscout_sim {
@@ -33,6 +34,14 @@ struct LidarParameters {
   double range_resolution_m = 0.001;
   /// Chance of a reading anywhere before the surface.
   double outlier_probability = 0.0;
+  /// At which a white wall (reflectivity 0.9) that is hit head-on answers every other time; the
+  /// chance depends on reflectivity * cos(incidence) / range^2. 0: every surface always answers.
+  double half_detection_range_m = 0.0;
+  /// Half the angle that the beam's footprint covers along the scan; 0: beams are lines.
+  double beam_divergence_rad = 0.0;
+  /// Echoes of one beam that are less apart merge into one between them (a mixed pixel); of others
+  /// the strongest counts.
+  double pulse_length_m = 0.3;
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
@@ -66,12 +75,15 @@ public:
   const LidarParameters& parameters() const { return parameters_; }
 
   /// One scan. Each beam starts where the sensor is at its own moment; between two samples of the
-  /// path position and direction are interpolated linearly. \param scan_index  keys the noise: same
-  /// index, same noise
+  /// path position and direction are interpolated linearly.
+  ///
+  /// \param scan_index  keys the noise: same index, same noise
+  /// \param moving  solids that the world does not hold, where they are when the beams pass them
   Scan measure(std::int64_t stamp_ns,
                std::uint64_t scan_index,
                const SensorPath& path,
-               const RayCaster& world) const;
+               const RayCaster& world,
+               const std::vector<Solid>& moving = {}) const;
 
   /// The rays of a scan, in world axes.
   Rays rays(std::int64_t stamp_ns, const SensorPath& path) const;
@@ -85,6 +97,7 @@ private:
                    Rays& rays) const;
   void addOutliers(std::vector<float>& ranges_m, std::uint64_t scan_index) const;
   void toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) const;
+  std::vector<BeamWindow> windowsOf(const std::vector<Solid>& moving, const SensorPath& path) const;
 
   LidarParameters parameters_;
   std::uint64_t seed_;

@@ -9,7 +9,15 @@
 namespace ramscout_sim {
 
 /// What a random number is for. Each purpose has numbers of its own.
-enum class Stream : std::uint64_t { kRange = 1, kLidarBias, kSlip, kOutlier, kBuilding, kDropout };
+enum class Stream : std::uint64_t {
+  kRange = 1,
+  kLidarBias,
+  kSlip,
+  kOutlier,
+  kBuilding,
+  kDropout,
+  kGlass
+};
 
 /// Random numbers that depend on nothing but seed, purpose and index: not on the order in which
 /// they are drawn, nor on the thread that draws them. SplitMix64 (Steele et al., OOPSLA 2014)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +33,16 @@ struct Rays {
   Eigen::MatrixX3f directions;
 };
 
+/// Where a ray ends.
+struct Hit {
+  float distance_m = std::numeric_limits<float>::infinity();
+  /// Of the surface, length 1; points out of the solid, for meshes to either side.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  std::uint32_t material = 0;
+  /// Part of a mesh, which has no inside: a ray can only enter.
+  bool two_sided = false;
+};
+
 /// The widest vector instructions that ray casting may use. A processor without them uses what it
 /// has. Results are the same to the bit wherever the same set is used; those of different sets
 /// differ by micrometres.
@@ -51,9 +63,18 @@ public:
   /// Distance to the first surface (solids or floor) along each ray [m]; +Inf where there is none.
   std::vector<float> cast(const Rays& rays) const;
 
+  /// The same with the surface; slower.
+  std::vector<Hit> trace(const Rays& rays) const;
+
+  /// Whether a solid that is seen is not opaque.
+  bool hasClearSurfaces() const { return has_clear_surfaces_; }
+  const std::vector<Material>& materials() const { return materials_; }
+
 private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
+  std::vector<Material> materials_;
+  bool has_clear_surfaces_ = false;
 };
 
 }  // namespace ramscout_sim
