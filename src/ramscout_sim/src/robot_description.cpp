@@ -7,9 +7,10 @@
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>
-#include <console_bridge/console.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
+
+#include "parser_log.hpp"
 
 namespace ramscout_sim {
 namespace {
@@ -24,24 +25,6 @@ constexpr double kTouchesFloor_m = 2e-3;
 [[noreturn]] void refuse(const std::string& element, const std::string& reason) {
   throw std::invalid_argument("robot description: " + element + ": " + reason);
 }
-
-/// Collects what the parser complains about while this object lives.
-class ParserLog : public console_bridge::OutputHandler {
-public:
-  ParserLog() { console_bridge::useOutputHandler(this); }
-  ~ParserLog() override { console_bridge::restorePreviousOutputHandler(); }
-  ParserLog(const ParserLog&) = delete;
-  ParserLog& operator=(const ParserLog&) = delete;
-
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR)
-      errors_ += (errors_.empty() ? "" : "; ") + text;
-  }
-  const std::string& errors() const { return errors_; }
-
-private:
-  std::string errors_;
-};
 
 Eigen::Isometry3d toIsometry(const urdf::Pose& pose) {
   Eigen::Isometry3d isometry = Eigen::Isometry3d::Identity();

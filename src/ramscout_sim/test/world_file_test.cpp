@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 
+#include "ramscout_sim/lidar.hpp"
 #include "ramscout_sim/map_image.hpp"
 #include "ramscout_sim/office.hpp"
 #include "ramscout_sim/physics.hpp"
@@ -59,8 +60,14 @@ TEST(WorldFile, TakesAMapForAWorld) {
   map.cells[4] = Cell::kOccupied;
   writeMap(map, folder / "map");
   const World world = readWorld(folder / "map.yaml");
-  ASSERT_EQ(world.solids.size(), 1U);
+  ASSERT_EQ(world.solids.size(), 2U);
   EXPECT_NEAR(world.solids[0].world_from_solid.translation().x(), 0.075, 1e-12);
+  EXPECT_TRUE(world.solids[0].solid && !world.solids[0].seen) << "what the chassis meets";
+  EXPECT_TRUE(world.solids[1].seen && !world.solids[1].solid) << "what the lidar sees";
+  LidarParameters p;
+  p.range_sigma_m = 0.0;
+  const SensorPath path{{0}, {Eigen::Isometry3d(Eigen::Translation3d(-1.0, 0.075, 0.37))}};
+  EXPECT_NEAR(Lidar(p, 1).measure(0, 0, path, RayCaster(world)).ranges_m[540], 1.05, 1e-3);
 }
 
 TEST(WorldFile, ReadsTheShippedWorldWithAFreeStart) {

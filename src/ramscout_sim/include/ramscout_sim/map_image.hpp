@@ -41,6 +41,13 @@ void writeMap(const MapImage& map, const std::string& path_without_suffix);
 /// Occupied cells as boxes of the given height, few and large (greedy rectangles).
 std::vector<Solid> extrude(const MapImage& map, double height_m);
 
+/// The edges of the occupied cells as closed polygons in the world, occupied on the left, without
+/// corners that are no more than `tolerance_cells` off the line between those that stay.
+std::vector<std::vector<Eigen::Vector2d>> outlinesOf(const MapImage& map, double tolerance_cells);
+
+/// Simplified outlines as upright walls for the lidar: a robot passes through (`solid` is false).
+Solid extrudeOutlines(const MapImage& map, double height_m);
+
 /// The true map: what a perfect horizontal lidar at `height_m` would find. Cells that a solid
 /// touches are occupied, those connected to the start are free, the others unknown.
 MapImage drawMap(const World& world, double height_m, double resolution_m);
