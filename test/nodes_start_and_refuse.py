@@ -19,6 +19,7 @@ NODES = {
     "map_smoother": ("ram_slam", "key_scan_distance_m", "0.0"),
     "occupancy_mapper": ("ram_slam", "resolution", "0.0"),
     "kinematics": ("ramscout_kinematics", "buffer_duration_s", "-1.0"),
+    "edge_detector": ("ramscout_feature_detector", "bend_scale", "0.0"),
     "feature_detector": ("ramscout_feature_detector", "ppm", "0"),
     "simulator": ("ramscout_sim", "physics_rate_hz", "-1.0"),
     "world_map": ("ram_slam", "map_folder", None),  # has texts only: any number is one, none is out of range

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Repeatability of features and recognition by classifiers on recorded scans with corrected poses.
 //
-// recorded_scans LOG [CONFIG.yaml [FEATURES.csv]]
+// recorded_scans LOG [corner|edge|both [FEATURES.csv [CORNER.yaml [EDGE.yaml]]]]
 //
 // LOG: lines ROBOTLASER1 or FLASER of a CARMEN log whose laser poses are corrected. Writes
 // FEATURES.csv: scan index, x, y in the laser's frame.
@@ -23,6 +23,8 @@
 
 #include "ram_slam/random.hpp"
 #include "ramscout_feature_detector/corner_matcher.hpp"
+#include "ramscout_feature_detector/edge_detector.hpp"
+#include "ramscout_feature_detector/edge_matcher.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
 
 namespace {
@@ -122,8 +124,14 @@ Repeatability repeatability(const std::vector<Recorded>& log) {
   return result;
 }
 
+const ram_slam::FeatureMatcher& matcherOf(const std::string& type) {
+  static const CornerMatcher corner_matcher;
+  static const EdgeMatcher edge_matcher;
+  if (type == kCornerType) return corner_matcher;
+  return edge_matcher;
+}
+
 void recognition(const std::vector<Recorded>& log) {
-  const CornerMatcher matcher;
   std::vector<double> same, different;
   for (std::size_t i = 0; i < log.size(); ++i) {
     for (std::size_t j = i + 41; j < log.size(); ++j) {
@@ -134,9 +142,11 @@ void recognition(const std::vector<Recorded>& log) {
           const double distance_m =
               (log[i].features[a].position_m - i_from_j * log[j].features[b].position_m).norm();
           if (distance_m >= 0.15 && distance_m <= 0.5) continue;
+          if (log[i].features[a].type != log[j].features[b].type) continue;
+          if (!log[i].descriptors[a] || !log[j].descriptors[b]) continue;
           (distance_m < 0.15 ? same : different)
-              .push_back(
-                  matcher.logLikelihoodRatio(*log[i].descriptors[a], *log[j].descriptors[b]));
+              .push_back(matcherOf(log[i].features[a].type)
+                             .logLikelihoodRatio(*log[i].descriptors[a], *log[j].descriptors[b]));
         }
       }
     }
@@ -156,17 +166,25 @@ void recognition(const std::vector<Recorded>& log) {
 
 }  // namespace
 
+template <typename Read>
+auto parametersFrom(const char* path, const Read& read) {
+  ram_parameters::ParameterReader reader(
+      path != nullptr ? ram_parameters::readYamlFile(path) : YAML::Node(),
+      path ? path : "defaults");
+  return read(reader);
+}
+
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::cerr << "usage: recorded_scans LOG [CONFIG.yaml [FEATURES.csv]]\n";
+  const std::string which = argc > 2 ? argv[2] : "corner";
+  if (argc < 2 || (which != "corner" && which != "edge" && which != "both")) {
+    std::cerr << "usage: recorded_scans LOG [corner|edge|both [FEATURES.csv [CORNER.yaml "
+                 "[EDGE.yaml]]]]\n";
     return EXIT_FAILURE;
   }
-  FeatureDetectorParameters parameters;
-  if (argc > 2) {
-    ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(argv[2]), argv[2]);
-    parameters = readFeatureDetectorParameters(reader);
-  }
-  const FeatureDetector detector(parameters);
+  const FeatureDetector corners(
+      parametersFrom(argc > 4 ? argv[4] : nullptr, readFeatureDetectorParameters));
+  const EdgeDetector edges(
+      parametersFrom(argc > 5 ? argv[5] : nullptr, readEdgeDetectorParameters));
   std::vector<Recorded> log = readLog(argv[1]);
   std::vector<double> times_us;
   std::size_t features = 0;
@@ -174,13 +192,17 @@ int main(int argc, char** argv) {
   if (argc > 3) csv.open(argv[3]);
   for (std::size_t i = 0; i < log.size(); ++i) {
     const auto start = std::chrono::steady_clock::now();
-    log[i].features = detector.detect(log[i].scan, {}).features;
+    if (which != "edge") log[i].features = corners.detect(log[i].scan, {}).features;
+    if (which != "corner") {
+      for (auto& feature : edges.detect(log[i].scan, {}).features)
+        log[i].features.push_back(feature);
+    }
     times_us.push_back(
         std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
             .count());
     features += log[i].features.size();
     for (const auto& feature : log[i].features) {
-      log[i].descriptors.push_back(CornerMatcher().parse(feature.classifier));
+      log[i].descriptors.push_back(matcherOf(feature.type).parse(feature.classifier));
       csv << i << ',' << feature.position_m.x() << ',' << feature.position_m.y() << ','
           << feature.classifier << '\n';
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Precision, recall and calibration of the detector in random worlds.
+// Precision, recall and calibration of the detectors in random worlds.
 //
 // simulated_worlds [first seed] [worlds of each kind] [poses per world] [noise, m]
-// [laser_range_sigma, m]
+// [laser_range_sigma, m] [corner|edge]
 //
 // A feature is true if a corner of the world's geometry lies within 10 cm. A corner is visible if
 // at least 0.3 m of wall are seen without a gap on both of its sides, by at least 10 beams in all,
@@ -11,7 +11,9 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
+#include "ramscout_feature_detector/edge_detector.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
 
 #include "../test/random_world.hpp"
@@ -99,7 +101,11 @@ int main(int argc, char** argv) {
   FeatureDetectorParameters parameters;
   if (argc > 5) parameters.laser_range_sigma = std::atof(argv[5]);
   const bool verbose = std::getenv("VERBOSE") != nullptr;
+  const bool edges = argc > 6 && argv[6] == std::string("edge");
+  EdgeDetectorParameters edge_parameters;
+  edge_parameters.laser_range_sigma = parameters.laser_range_sigma;
   const FeatureDetector detector(parameters);
+  const EdgeDetector edge_detector(edge_parameters);
   const std::pair<const char*, RandomWorld::Kind> kinds[] = {
       {"office", RandomWorld::Kind::kOffice},
       {"polygons", RandomWorld::Kind::kPolygons},
@@ -113,7 +119,7 @@ int main(int argc, char** argv) {
       const ram_slam::Pose2 pose = random_world.freePose(random);
       const ram_slam::LaserScan scan = world.scan(pose, noise_m, random);
       const auto start = std::chrono::steady_clock::now();
-      const auto list = detector.detect(scan, {});
+      const auto list = edges ? edge_detector.detect(scan, {}) : detector.detect(scan, {});
       score.time_s +=
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       ++score.scans;

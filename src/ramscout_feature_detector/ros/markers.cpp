@@ -2,6 +2,7 @@
 #include "markers.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -11,6 +12,7 @@ namespace {
 constexpr int kCircleSteps = 24;
 constexpr double kLineWidthM = 0.02;
 constexpr double kBisectorM = 0.3;
+constexpr double kUnobservedVarianceRad2 = 10.0;
 
 geometry_msgs::Point toPoint(const Eigen::Vector2d& point_m) {
   geometry_msgs::Point point;
@@ -43,14 +45,16 @@ void addEllipse(const Eigen::Vector2d& centre_m,
   }
 }
 
+/// A marker without points takes the old one away.
+visualization_msgs::Marker finished(visualization_msgs::Marker marker) {
+  if (marker.points.empty()) marker.action = visualization_msgs::Marker::DELETE;
+  return marker;
+}
+
 }  // namespace
 
-visualization_msgs::MarkerArray toMarkers(
-    const ram_slam::FeatureList& list,
-    const ramscout_feature_detector::FeatureDetector::Analysis& analysis,
-    const ram_slam::Pose2& base_from_laser,
-    double occlude_limit_m,
-    const std_msgs::Header& header) {
+visualization_msgs::MarkerArray featureMarkers(const ram_slam::FeatureList& list,
+                                               const std_msgs::Header& header) {
   visualization_msgs::Marker ellipses = lines(header, "one_sigma");
   ellipses.color.r = 1.0F;
   visualization_msgs::Marker bisectors = lines(header, "bisectors");
@@ -58,11 +62,22 @@ visualization_msgs::MarkerArray toMarkers(
   for (const ram_slam::Feature& feature : list.features) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(feature.covariance_m2);
     addEllipse(feature.position_m, solver.operatorSqrt(), ellipses);
+    if (feature.orientation_variance_rad2 > kUnobservedVarianceRad2) continue;
     bisectors.points.push_back(toPoint(feature.position_m));
     bisectors.points.push_back(toPoint(
         feature.position_m + kBisectorM * Eigen::Vector2d(std::cos(feature.orientation_rad),
                                                           std::sin(feature.orientation_rad))));
   }
+  visualization_msgs::MarkerArray markers;
+  markers.markers = {finished(std::move(ellipses)), finished(std::move(bisectors))};
+  return markers;
+}
+
+visualization_msgs::Marker exclusionMarker(
+    const ramscout_feature_detector::FeatureDetector::Analysis& analysis,
+    const ram_slam::Pose2& base_from_laser,
+    double occlude_limit_m,
+    const std_msgs::Header& header) {
   visualization_msgs::Marker excluded = lines(header, "excluded");
   excluded.color.b = 1.0F;
   const Eigen::Matrix2d circle = occlude_limit_m * Eigen::Matrix2d::Identity();
@@ -71,12 +86,7 @@ visualization_msgs::MarkerArray toMarkers(
     addEllipse(base_from_laser * contour.front(), circle, excluded);
     addEllipse(base_from_laser * contour.back(), circle, excluded);
   }
-  visualization_msgs::MarkerArray markers;
-  for (visualization_msgs::Marker* marker : {&ellipses, &bisectors, &excluded}) {
-    if (marker->points.empty()) marker->action = visualization_msgs::Marker::DELETE;
-    markers.markers.push_back(*marker);
-  }
-  return markers;
+  return finished(std::move(excluded));
 }
 
 }  // namespace ramscout_feature_detector_ros

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <std_msgs/Header.h>
+#include <visualization_msgs/Marker.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include "ram_slam/feature.hpp"
@@ -10,10 +11,13 @@
 
 namespace ramscout_feature_detector_ros {
 
-/// Features as one-sigma ellipses with their bisectors; the regions around surfaces' ends, where no
-/// feature is accepted, as circles. Replaces the markers of the scan before.
-visualization_msgs::MarkerArray toMarkers(
-    const ram_slam::FeatureList& list,
+/// Features as one-sigma ellipses with their bisectors, if they have a direction. Replaces the
+/// markers of the scan before.
+visualization_msgs::MarkerArray featureMarkers(const ram_slam::FeatureList& list,
+                                               const std_msgs::Header& header);
+
+/// The regions around surfaces' ends, where no feature is accepted, as circles.
+visualization_msgs::Marker exclusionMarker(
     const ramscout_feature_detector::FeatureDetector::Analysis& analysis,
     const ram_slam::Pose2& base_from_laser,
     double occlude_limit_m,

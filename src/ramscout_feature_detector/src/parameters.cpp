@@ -4,17 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "require_within.hpp"
+
 namespace ramscout_feature_detector {
 namespace {
 
 constexpr double kWarnRangeM = 10.0;
 constexpr double kWarnCoarsestPpm = 10.0;
-
-void requireWithin(const char* name, double value, double low, double high) {
-  if (low <= value && value <= high) return;
-  throw std::invalid_argument(std::string(name) + " must be in [" + std::to_string(low) + ", " +
-                              std::to_string(high) + "], got " + std::to_string(value));
-}
 
 void warnOutside(
     const char* name, double value, double low, double high, std::vector<std::string>& warnings) {
@@ -47,10 +43,7 @@ void FeatureDetectorParameters::validate() const {
         "extrapolation_distance (" + std::to_string(extrapolation_distance) +
         ") must be greater than occlude_limit (" + std::to_string(occlude_limit) + ")");
   }
-  if (base_frame.empty() || base_frame.front() == '/') {
-    throw std::invalid_argument("base_frame must be a frame without a leading slash, got \"" +
-                                base_frame + "\"");
-  }
+  requireFrame("base_frame", base_frame);
 }
 
 std::vector<std::string> FeatureDetectorParameters::warnings() const {

@@ -54,19 +54,13 @@ std::vector<Hit> surfaceHits(const ram_slam::LaserScan& scan) {
 /// The largest distance between neighbours on one surface.
 double largestGap(const Hit& before,
                   double angle_rad,
-                  const FeatureDetectorParameters& parameters) {
+                  double distance_threshold_m,
+                  double range_sigma_m) {
   const double grazing_rad = std::max(kMostGrazingRad, 2.0 * angle_rad);
   const double adaptive_m =
       before.range_m * std::sin(angle_rad) / std::sin(grazing_rad - angle_rad) +
-      3.0 * parameters.laser_range_sigma;
-  return std::max(parameters.distance_threshold, adaptive_m);
-}
-
-bool onOneSurface(const Hit& before,
-                  const Hit& after,
-                  double angle_rad,
-                  const FeatureDetectorParameters& parameters) {
-  return (after.point_m - before.point_m).norm() <= largestGap(before, angle_rad, parameters);
+      3.0 * range_sigma_m;
+  return std::max(distance_threshold_m, adaptive_m);
 }
 
 using Points = std::vector<Eigen::Vector2d>;
@@ -82,45 +76,63 @@ void overlapSeam(Points& points, double overlap_m) {
   }
 }
 
+void append(const Surface& surface, Surface& to) {
+  to.beams.insert(to.beams.end(), surface.beams.begin(), surface.beams.end());
+  to.points_m.insert(to.points_m.end(), surface.points_m.begin(), surface.points_m.end());
+}
+
 }  // namespace
 
-std::vector<Contour> splitIntoContours(const ram_slam::LaserScan& scan,
-                                       const FeatureDetectorParameters& parameters) {
+bool isFullTurn(const ram_slam::LaserScan& scan) {
+  const double increment_rad = std::abs(scan.angle_increment_rad);
+  return static_cast<double>(scan.ranges_m.size()) * increment_rad >
+         2.0 * M_PI - 1.5 * increment_rad;
+}
+
+std::vector<Surface> splitIntoSurfaces(const ram_slam::LaserScan& scan,
+                                       double distance_threshold_m,
+                                       double range_sigma_m) {
   const std::vector<Hit> hits = surfaceHits(scan);
   if (hits.empty()) return {};
   const double increment_rad = std::abs(scan.angle_increment_rad);
-
-  std::vector<Points> surfaces;
-  bool closed = false;
+  const auto onOneSurface = [&](const Hit& before, const Hit& after, double angle_rad) {
+    return (after.point_m - before.point_m).norm() <=
+           largestGap(before, angle_rad, distance_threshold_m, range_sigma_m);
+  };
+  std::vector<Surface> surfaces;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const bool continues =
         i > 0 && hits[i].connected &&
         onOneSurface(hits[i - 1], hits[i],
-                     increment_rad * static_cast<double>(hits[i].beam - hits[i - 1].beam),
-                     parameters);
+                     increment_rad * static_cast<double>(hits[i].beam - hits[i - 1].beam));
     if (!continues) surfaces.emplace_back();
-    surfaces.back().push_back(hits[i].point_m);
+    surfaces.back().beams.push_back(hits[i].beam);
+    surfaces.back().points_m.push_back(hits[i].point_m);
   }
-
-  const auto beam_count = static_cast<double>(scan.ranges_m.size());
-  const bool full_turn = beam_count * increment_rad > 2.0 * M_PI - 1.5 * increment_rad;
   const bool both_ends_hit = hits.front().beam == 0 && hits.back().beam + 1 == scan.ranges_m.size();
-  if (full_turn && both_ends_hit &&
-      onOneSurface(hits.back(), hits.front(), increment_rad, parameters)) {
-    closed = surfaces.size() == 1;
-    if (closed) {
-      overlapSeam(surfaces.front(), 2.0 * parameters.extrapolation_distance);
+  if (isFullTurn(scan) && both_ends_hit && onOneSurface(hits.back(), hits.front(), increment_rad)) {
+    if (surfaces.size() == 1) {
+      surfaces.front().closed = true;
     } else {
-      surfaces.back().insert(surfaces.back().end(), surfaces.front().begin(),
-                             surfaces.front().end());
+      append(surfaces.front(), surfaces.back());
       surfaces.erase(surfaces.begin());
     }
   }
+  return surfaces;
+}
 
+Contour toContour(Surface surface, double overlap_m) {
+  if (surface.closed) overlapSeam(surface.points_m, overlap_m);
+  return Contour(std::move(surface.points_m), surface.closed);
+}
+
+std::vector<Contour> splitIntoContours(const ram_slam::LaserScan& scan,
+                                       const FeatureDetectorParameters& parameters) {
   std::vector<Contour> contours;
-  for (Points& points : surfaces) {
-    if (points.size() < kSmallestPointCount) continue;
-    Contour contour(std::move(points), closed);
+  for (Surface& surface :
+       splitIntoSurfaces(scan, parameters.distance_threshold, parameters.laser_range_sigma)) {
+    if (surface.points_m.size() < kSmallestPointCount) continue;
+    Contour contour = toContour(std::move(surface), 2.0 * parameters.extrapolation_distance);
     if (contour.length_m() >= 2.0 * parameters.occlude_limit) {
       contours.push_back(std::move(contour));
     }

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/pose2.hpp"
+#include "ram_slam/ros/mounting.hpp"
+
+namespace ramscout_feature_detector_ros {
+
+/// Subscribes `scan` and passes on each scan once, as an upright laser would have given it, with
+/// the pose of the laser. What cannot be used is skipped with a warning.
+///
+/// The mounting of each laser (frame of the scan) is read from tf once: lasers are bolted on.
+class ScanInput {
+public:
+  using Callback =
+      std::function<void(const ram_slam::LaserScan&, const ram_slam::Pose2& base_from_laser)>;
+
+  /// \param use  may throw: the scan is then skipped with a warning
+  ScanInput(const std::string& base_frame, Callback use);
+
+private:
+  void onScan(const sensor_msgs::LaserScan& message);
+  void process(const sensor_msgs::LaserScan& message);
+  /// \throws tf2::TransformException if it is not known, std::invalid_argument if the laser is not
+  /// level
+  ram_slam_ros::Mounting mountingOf(const std::string& laser_frame);
+
+  std::string base_frame_;
+  Callback use_;
+  tf2_ros::Buffer tf_buffer_;
+  tf2_ros::TransformListener tf_listener_;
+  std::map<std::string, ram_slam_ros::Mounting> mountings_;
+  std::map<std::string, ros::Time> last_stamps_;
+  ros::Subscriber scan_subscriber_;
+};
+
+}  // namespace ramscout_feature_detector_ros

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_feature_detector/edge_detector.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ramscout_feature_detector/edge_matcher.hpp"
+
+#include "polygon_world.hpp"
+
+namespace ramscout_feature_detector {
+namespace {
+
+constexpr double kNoiseM = 0.01;
+
+/// A wall 3 m ahead with a door of 1 m, and another wall 3 m behind it.
+PolygonWorld door() {
+  PolygonWorld world;
+  world.add({{3.0, -6.0}, {3.0, -0.5}}, false);
+  world.add({{3.0, 0.5}, {3.0, 6.0}}, false);
+  world.add({{6.0, -20.0}, {6.0, 20.0}}, false);
+  return world;
+}
+
+MATCHER_P3(IsAt, kind, x_m, y_m, "") {
+  return arg.kind == kind && (arg.position_m - Eigen::Vector2d(x_m, y_m)).norm() < 0.05;
+}
+
+TEST(EdgeDetector, FindsTheJambsOfADoorAndNotTheirShadows) {
+  const EdgeDetector detector({});
+  for (int i = 0; i < 50; ++i) {
+    ram_slam::Random random(1, i);
+    auto edges = detector.edges(door().scan({}, kNoiseM, random, 721, -0.25 * M_PI, M_PI / 1440.0));
+    EXPECT_THAT(edges, testing::UnorderedElementsAre(IsAt(Edge::Kind::kEnd, 3.0, -0.5),
+                                                     IsAt(Edge::Kind::kEnd, 3.0, 0.5)));
+  }
+}
+
+TEST(EdgeDetector, EndsPointAwayFromTheirSurface) {
+  ram_slam::Random random(2);
+  const auto scan = door().scan({}, 0.0, random, 721, -0.25 * M_PI, M_PI / 1440.0);
+  for (const Edge& edge : EdgeDetector({}).edges(scan)) {
+    const double expected_rad = edge.position_m.y() < 0.0 ? M_PI_2 : -M_PI_2;
+    EXPECT_NEAR(edge.orientation_rad, expected_rad, 0.01);
+  }
+}
+
+TEST(EdgeDetector, ASmallThingIsOneFeatureAtItsMiddleWithoutClassifier) {
+  PolygonWorld world;
+  world.add({{1.9, -0.1}, {2.1, -0.1}, {2.1, 0.1}, {1.9, 0.1}}, true);
+  ram_slam::Random random(3);
+  const auto scan = world.scan({}, kNoiseM, random);
+  EXPECT_THAT(EdgeDetector({}).edges(scan),
+              testing::ElementsAre(IsAt(Edge::Kind::kObject, 1.9, 0.0)));
+  const auto features = EdgeDetector({}).detect(scan, {}).features;
+  ASSERT_EQ(features.size(), 1U);
+  EXPECT_EQ(features[0].type, "edge");
+  EXPECT_EQ(features[0].classifier, "");
+  EXPECT_GE(features[0].orientation_variance_rad2, 1e6);
+}
+
+TEST(EdgeDetector, ACornerIsABendWithItsBisector) {
+  PolygonWorld world;
+  world.add({{3.0, -50.0}, {3.0, 2.0}, {-50.0, 2.0}}, false);
+  const EdgeDetector detector({});
+  std::size_t count = 0;
+  for (int i = 0; i < 50; ++i) {
+    ram_slam::Random random(4, i);
+    const auto edges = detector.edges(world.scan({}, kNoiseM, random, 721, 0.0, M_PI / 1440.0));
+    count += edges.size();
+    const auto corner = std::find_if(edges.begin(), edges.end(), [](const Edge& edge) {
+      return edge.kind == Edge::Kind::kBend &&
+             (edge.position_m - Eigen::Vector2d(3.0, 2.0)).norm() < 0.08;
+    });
+    ASSERT_NE(corner, edges.end());
+    EXPECT_NEAR(corner->orientation_rad, -0.75 * M_PI, 0.4);
+  }
+  EXPECT_LE(count, 52U);  // noise bends a wall now and then
+}
+
+TEST(EdgeDetector, StraightWallsYieldNothing) {
+  const EdgeDetector detector({});
+  PolygonWorld world;
+  world.add({{2.0, -500.0}, {2.0, 500.0}}, false);
+  std::size_t count = 0;
+  for (int i = 0; i < 300; ++i) {
+    ram_slam::Random random(5, i);
+    const double yaw_rad = 2.0 * (random.uniform() - 0.5);
+    // Up to a grazing angle of 10 degrees a wall is one surface.
+    auto scan = world.scan({0.0, 0.0, yaw_rad}, kNoiseM, random);
+    for (float& range_m : scan.ranges_m) {
+      if (range_m > 11.0F) range_m = std::numeric_limits<float>::quiet_NaN();
+    }
+    count += detector.edges(scan).size();
+  }
+  EXPECT_LE(count, 3U);
+}
+
+TEST(EdgeDetector, WhereTheViewEndsIsNoEdge) {
+  PolygonWorld world;
+  world.add({{3.0, -50.0}, {3.0, 50.0}}, false);
+  ram_slam::Random random(6);
+  auto scan = world.scan({}, 0.0, random, 361, -0.25 * M_PI, M_PI / 720.0);
+  EXPECT_THAT(EdgeDetector({}).edges(scan), testing::IsEmpty());
+  scan.ranges_m[180] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(EdgeDetector({}).edges(scan), testing::IsEmpty());
+}
+
+TEST(EdgeDetector, SeesTheSameWorldClockwiseAndAcrossTheSeamOfAFullTurn) {
+  PolygonWorld world;
+  world.add({{-2.0, -0.2}, {-2.0, 0.7}, {-3.0, 0.7}, {-3.0, -0.2}}, true);
+  world.add({{-5.0, -5.0}, {5.0, -5.0}, {5.0, 5.0}, {-5.0, 5.0}}, true);
+  ram_slam::Random random(7);
+  auto scan = world.scan({}, 0.0, random, 1440, -M_PI, M_PI / 720.0);
+  const auto expected = EdgeDetector({}).edges(scan);
+  EXPECT_THAT(expected, testing::UnorderedElementsAre(
+                            IsAt(Edge::Kind::kEnd, -2.0, -0.2), IsAt(Edge::Kind::kEnd, -2.0, 0.7),
+                            IsAt(Edge::Kind::kBend, -5.0, -5.0), IsAt(Edge::Kind::kBend, 5.0, -5.0),
+                            IsAt(Edge::Kind::kBend, 5.0, 5.0), IsAt(Edge::Kind::kBend, -5.0, 5.0)));
+  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+  scan.angle_min_rad = scan.bearing_rad(scan.ranges_m.size() - 1);
+  scan.angle_increment_rad = -scan.angle_increment_rad;
+  EXPECT_EQ(EdgeDetector({}).edges(scan).size(), expected.size());
+}
+
+TEST(EdgeDetector, FeaturesAreInTheBaseFrame) {
+  ram_slam::Random random(8);
+  const auto scan = door().scan({}, 0.0, random, 721, -0.25 * M_PI, M_PI / 1440.0);
+  const ram_slam::Pose2 base_from_laser{0.3, -0.1, 0.5};
+  const EdgeDetector detector({});
+  const auto edges = detector.edges(scan);
+  const auto features = detector.detect(scan, base_from_laser).features;
+  ASSERT_EQ(features.size(), edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    EXPECT_LT((features[i].position_m - base_from_laser * edges[i].position_m).norm(), 1e-9);
+    EXPECT_NEAR(features[i].covariance_m2.determinant(), edges[i].covariance_m2.determinant(),
+                1e-12);
+    EXPECT_NE(EdgeMatcher().parse(features[i].classifier), nullptr);
+  }
+}
+
+TEST(EdgeDetector, RefusesWhatItCannotUse) {
+  ram_slam::Random random(9);
+  const auto scan = door().scan({}, 0.0, random);
+  EXPECT_THROW(EdgeDetector({}).detect({}, {}), std::invalid_argument);
+  EXPECT_THROW(EdgeDetector({}).detect(scan, {std::nan(""), 0.0, 0.0}), std::invalid_argument);
+}
+
+EdgeDetectorParameters read(const std::string& yaml) {
+  ram_parameters::ParameterReader reader(YAML::Load(yaml), "test");
+  return readEdgeDetectorParameters(reader);
+}
+
+TEST(EdgeDetectorParameters, ShippedFileHoldsTheDefaults) {
+  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(EDGE_CONFIG_FILE),
+                                         EDGE_CONFIG_FILE);
+  const EdgeDetectorParameters shipped = readEdgeDetectorParameters(reader);
+  const EdgeDetectorParameters defaults;
+  EXPECT_EQ(shipped.laser_range_sigma, defaults.laser_range_sigma);
+  EXPECT_EQ(shipped.distance_threshold, defaults.distance_threshold);
+  EXPECT_EQ(shipped.object_size, defaults.object_size);
+  EXPECT_EQ(shipped.bend_scale, defaults.bend_scale);
+  EXPECT_EQ(shipped.bend_angle, defaults.bend_angle);
+  EXPECT_EQ(shipped.significance_min, defaults.significance_min);
+  EXPECT_EQ(shipped.position_sigma_limit, defaults.position_sigma_limit);
+  EXPECT_EQ(shipped.feature_distance, defaults.feature_distance);
+  EXPECT_EQ(shipped.max_features, defaults.max_features);
+  EXPECT_EQ(shipped.base_frame, defaults.base_frame);
+}
+
+TEST(EdgeDetectorParameters, OutOfRangeIsRefusedByName) {
+  for (const char* yaml :
+       {"laser_range_sigma: 0", "distance_threshold: -1", "object_size: 9", "bend_scale: 0",
+        "bend_angle: 7", "significance_min: -1", "position_sigma_limit: .nan",
+        "feature_distance: 0", "max_features: 0", "base_frame: ''", "bendangle: 1"}) {
+    try {
+      read(yaml);
+      ADD_FAILURE() << yaml << " was accepted";
+    } catch (const std::invalid_argument& error) {
+      const std::string key = std::string(yaml).substr(0, std::string(yaml).find(':'));
+      EXPECT_THAT(error.what(), testing::HasSubstr(key));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ramscout_feature_detector
