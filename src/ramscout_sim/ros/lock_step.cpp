@@ -14,6 +14,9 @@ using Clock = std::chrono::steady_clock;
 
 // How often a wait looks whether ROS is shutting down.
 constexpr std::chrono::milliseconds kPatience(50);
+// While partners are starting, a scan may have reached none of them: no long wait for the first
+// answer.
+constexpr double kFirstAnswer_s = 0.5;
 
 Clock::time_point inSeconds(double duration_s) {
   return Clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(duration_s * 1e3));
@@ -96,13 +99,17 @@ std::string LockStep::unanswered(const ros::Time& stamp) const {
 
 void LockStep::waitFor(const ros::Time& scan_stamp) {
   if (subscribers_.empty()) return;
-  const Clock::time_point deadline = inSeconds(parameters_.timeout_s);
   std::unique_lock<std::mutex> lock(mutex_);
+  const bool answered_before = std::none_of(latest_stamps_.begin(), latest_stamps_.end(),
+                                            [](const ros::Time& stamp) { return stamp.isZero(); });
+  const double timeout_s =
+      answered_before ? parameters_.timeout_s : std::min(kFirstAnswer_s, parameters_.timeout_s);
+  const Clock::time_point deadline = inSeconds(timeout_s);
   const int resets = resets_;
   while (ros::ok() && resets == resets_ && !unanswered(scan_stamp).empty()) {
     if (Clock::now() >= deadline) {
       ROS_WARN_STREAM("Lock step: no answer to the scan of "
-                      << scan_stamp << " s within " << parameters_.timeout_s << " s on"
+                      << scan_stamp << " s within " << timeout_s << " s on"
                       << unanswered(scan_stamp) << "; going on");
       return;
     }
