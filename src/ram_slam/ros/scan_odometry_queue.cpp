@@ -43,9 +43,12 @@ void ScanOdometryQueue::addOdometry(const nav_msgs::Odometry& message) {
 std::optional<ScanWithOdometry> ScanOdometryQueue::next() {
   while (!scans_.empty()) {
     std::optional<ScanWithOdometry> ready = complete(scans_.front());
-    const bool waited_long =
-        scans_.back().scan.stamp_ns - scans_.front().scan.stamp_ns > kMaxWaitNs;
-    if (!ready && !waited_long) return std::nullopt;
+    const std::int64_t stamp_ns = scans_.front().scan.stamp_ns;
+    const bool waited_long = scans_.back().scan.stamp_ns - stamp_ns > kMaxWaitNs;
+    // Odometry comes in order: what is before its beginning never gets any.
+    const bool hopeless =
+        needs_odometry_ && !odometry_.empty() && stamp_ns < odometry_.front().stamp_ns;
+    if (!ready && !waited_long && !hopeless) return std::nullopt;
     scans_.pop_front();
     if (ready) return ready;
     ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "dropped a scan: no odometry or no transform to "

@@ -34,8 +34,9 @@ public:
   void addScan(const sensor_msgs::LaserScan& message);
   void addOdometry(const nav_msgs::Odometry& message);
 
-  /// The next scan whose odometry and mount are known; none if there is none yet. Scans that waited
-  /// for longer than a second of stamps are dropped with a warning.
+  /// The next scan whose odometry and mount are known; none if there is none yet. Scans from
+  /// before the first odometry, and those that waited for longer than a second of stamps, are
+  /// dropped with a warning.
   std::optional<ScanWithOdometry> next();
 
 private:
