@@ -109,7 +109,7 @@ BENCHMARK(castRaysWithOde)->Arg(1)->Arg(2)->Arg(3)->Arg(4)->Arg(8)->ArgName("blo
 void stepPhysics(benchmark::State& state) {
   const Office building = office(2);
   Physics physics(robot(), building.world, building.world.start);
-  for (auto _ : state) physics.step(1e-3, {2.0, -2.0});
+  for (auto _ : state) physics.step(1e-3, {{2.0, -2.0}, {}});
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(stepPhysics);

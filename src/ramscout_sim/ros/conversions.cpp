@@ -53,6 +53,7 @@ nav_msgs::Odometry toMessage(const ramscout_sim::OdometryReading& reading,
   message.child_frame_id = base_frame;
   message.pose.pose = toPose(ramscout_sim::toIsometry(reading.odom_from_base));
   message.twist.twist.linear.x = reading.twist.forward_mps;
+  message.twist.twist.linear.y = reading.twist.left_mps;
   message.twist.twist.angular.z = reading.twist.turn_radps;
   for (std::size_t i = 0; i < 6; ++i) {
     message.pose.covariance[7 * i] = kUnmeasured;
@@ -62,10 +63,12 @@ nav_msgs::Odometry toMessage(const ramscout_sim::OdometryReading& reading,
     for (std::size_t column = 0; column < 3; ++column) {
       message.pose.covariance[6 * kPlanar[row] + kPlanar[column]] =
           reading.covariance(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
+      const double variance = reading.twist_covariance(static_cast<Eigen::Index>(row),
+                                                       static_cast<Eigen::Index>(column));
+      if (row != column || variance > 0.0)
+        message.twist.covariance[6 * kPlanar[row] + kPlanar[column]] = variance;
     }
   }
-  message.twist.covariance[0] = reading.twist_covariance(0, 0);
-  message.twist.covariance[35] = reading.twist_covariance(1, 1);
   return message;
 }
 
@@ -100,9 +103,16 @@ sensor_msgs::JointState toJointState(const ramscout_sim::OdometryReading& readin
                                      const ramscout_sim::RobotDescription& robot) {
   sensor_msgs::JointState message;
   message.header.stamp = toRosTime(reading.stamp_ns);
-  message.name = {robot.left.joint, robot.right.joint};
-  message.position = {reading.wheel_angles_rad.left, reading.wheel_angles_rad.right};
-  message.velocity = {reading.wheel_speeds_radps.left, reading.wheel_speeds_radps.right};
+  for (std::size_t i = 0; i < robot.wheels.size(); ++i) {
+    const ramscout_sim::Wheel& wheel = robot.wheels[i];
+    message.name.push_back(wheel.joint);
+    message.position.push_back(reading.wheel_angles_rad[i]);
+    message.velocity.push_back(reading.wheel_speeds_radps[i]);
+    if (!wheel.steering) continue;
+    message.name.push_back(wheel.steering->joint);
+    message.position.push_back(reading.steering_rad[i]);
+    message.velocity.push_back(0.0);
+  }
   return message;
 }
 

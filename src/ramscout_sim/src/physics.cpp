@@ -4,150 +4,54 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <ode/ode.h>
+#include "ode_objects.hpp"
 
 namespace ramscout_sim {
 namespace {
 
-constexpr double kGravity_mps2 = 9.81;
 // The floor is nearly rigid under the wheels; the casters are sprung a little softer, so that the
 // wheels carry most of the weight although four points on a plane share it.
 constexpr double kErrorReduction = 0.2;
 constexpr double kWheelSoftness = 1e-6;
 constexpr double kCasterSoftness = 1e-5;
 constexpr double kSolidSoftness = 1e-5;
+constexpr double kFrictionSoftness = 1e-9;  // two wheels on one axle resist the same motion
 constexpr double kSolidFriction = 0.3;
 constexpr double kMaxCorrectingSpeed_mps = 0.1;
 constexpr int kContactsPerPair = 3;
-constexpr int kMaxSolidContacts = 8;
+constexpr std::size_t kMaxSolidContacts = 8;
 constexpr double kLargestCoordinate_m = 1e5;
+constexpr int kMotorTrials = 4;
+// How far around the robot it is looked for solids, and how many steps it is not looked again
+// where one is near.
+constexpr std::array<double, 3> kLookAhead_m = {0.5, 0.1, 0.02};
+constexpr int kStepsNearSolid = 20;
 
-template <typename Id, void (*destroy)(Id)>
-class Handle {
-public:
-  Handle() = default;
-  explicit Handle(Id id) : id_(id) {}
-  ~Handle() {
-    if (id_) destroy(id_);
-  }
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, nullptr)) {}
-  Handle& operator=(Handle&& other) noexcept {
-    std::swap(id_, other.id_);
-    return *this;
-  }
-  operator Id() const {
-    return id_;
-  }  // NOLINT(google-explicit-constructor): stands for the id in ODE's calls
-
-private:
-  Id id_ = nullptr;
-};
-
-using WorldHandle = Handle<dWorldID, dWorldDestroy>;
-using SpaceHandle = Handle<dSpaceID, dSpaceDestroy>;
-using GeomHandle = Handle<dGeomID, dGeomDestroy>;
-using MeshData = Handle<dTriMeshDataID, dGeomTriMeshDataDestroy>;
-using ContactGroup = Handle<dJointGroupID, dJointGroupDestroy>;
-
-dWorldID createWorld() {
-  static std::once_flag initialised;
-  std::call_once(initialised, [] { dInitODE2(0); });
-  dAllocateODEDataForThread(dAllocateMaskAll);
-  return dWorldCreate();
-}
-
-Eigen::Vector3d toEigen(const dReal* v) {
-  return {v[0], v[1], v[2]};
-}
-
-void placeGeom(dGeomID geom, const Eigen::Isometry3d& pose) {
-  const Eigen::Quaterniond q(pose.linear());
-  const dQuaternion quaternion = {q.w(), q.x(), q.y(), q.z()};
-  const Eigen::Vector3d p = pose.translation();
-  dGeomSetPosition(geom, p.x(), p.y(), p.z());
-  dGeomSetQuaternion(geom, quaternion);
-}
-
-/// Where a body is and how it moves, as ODE has it.
-struct BodyState {
-  Eigen::Vector3d position_m;
-  Eigen::Vector4d quaternion;  // w x y z
-  Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
-  Eigen::Vector3d turn_radps = Eigen::Vector3d::Zero();
-};
-
-BodyState atRest(const Eigen::Isometry3d& pose) {
-  const Eigen::Quaterniond q(pose.linear());
-  return {pose.translation(), {q.w(), q.x(), q.y(), q.z()}};
-}
-
-BodyState stateOf(dBodyID body) {
-  const dReal* q = dBodyGetQuaternion(body);
-  return {toEigen(dBodyGetPosition(body)),
-          {q[0], q[1], q[2], q[3]},
-          toEigen(dBodyGetLinearVel(body)),
-          toEigen(dBodyGetAngularVel(body))};
-}
-
-void setState(dBodyID body, const BodyState& state) {
-  const auto& [p, q, v, w] = state;
-  const dQuaternion quaternion = {q[0], q[1], q[2], q[3]};
-  dBodySetPosition(body, p.x(), p.y(), p.z());
-  dBodySetQuaternion(body, quaternion);
-  dBodySetLinearVel(body, v.x(), v.y(), v.z());
-  dBodySetAngularVel(body, w.x(), w.y(), w.z());
-}
-
-dGeomID createGeom(dSpaceID space, const Solid& solid) {
-  switch (solid.shape) {
-    case Shape::kBox:
-      return dCreateBox(space, solid.size_m.x(), solid.size_m.y(), solid.size_m.z());
-    case Shape::kCylinder:
-      return dCreateCylinder(space, 0.5 * solid.size_m.x(), solid.size_m.z());
-    case Shape::kSphere:
-      return dCreateSphere(space, 0.5 * solid.size_m.x());
-    case Shape::kMesh:
-      break;  // needs data that outlive the geom: see addStatic
-  }
-  throw std::logic_error("unknown shape");
-}
-
-dSpaceID createStaticSpace(const World& world) {
-  const Eigen::AlignedBox3d bounds = boundsOf(world);
-  const Eigen::Vector3d center = bounds.center();
-  const Eigen::Vector3d extents = 0.5 * bounds.sizes() + Eigen::Vector3d::Ones();
-  const dVector3 ode_center = {center.x(), center.y(), center.z()};
-  const dVector3 ode_extents = {extents.x(), extents.y(), extents.z()};
-  constexpr int kDepth = 6;
-  return dQuadTreeSpaceCreate(nullptr, ode_center, ode_extents, kDepth);
-}
-
-/// Body with the given mass; its ODE frame is at the centre of mass, parallel to the base frame.
-dBodyID createBody(dWorldID world, const MassProperties& properties) {
-  const Eigen::Matrix3d& i = properties.inertia_kgm2;
-  dMass mass;
-  dMassSetParameters(&mass, properties.mass_kg, 0, 0, 0, i(0, 0), i(1, 1), i(2, 2), i(0, 1),
-                     i(0, 2), i(1, 2));
-  const dBodyID body = dBodyCreate(world);
-  dBodySetMass(body, &mass);
-  return body;
-}
-
-struct WheelBody {
+struct WheelState {
   Wheel description;
-  dBodyID body = nullptr;
-  dJointID axle = nullptr;
-  GeomHandle geom;
-  dJointFeedback contact_force = {};
-  bool touched_floor = false;
-  double load_n = 0.0;
+  Eigen::Vector3d center_in_body_m = Eigen::Vector3d::Zero();
+  double inertia_kgm2 = 0.0;  // about the axle
+  double steering_rad = 0.0;
   double angle_rad = 0.0;
+  double speed_radps = 0.0;
+  double acceleration_radps2 = 0.0;
+  double load_n = 0.0;
+  /// What the motor gives whatever the speed; nothing: it holds its speed.
+  std::optional<double> fixed_torque_nm;
+
+  // In the step under way.
+  bool touches_floor = false;
+  Eigen::Vector3d rolling = Eigen::Vector3d::UnitX();  // world axes
+  dContact contact = {};
+  dJointFeedback force = {};
+
+  double traction_n() const { return touches_floor ? toEigen(force.f1).dot(rolling) : 0.0; }
 };
 
 }  // namespace
@@ -156,63 +60,74 @@ class Physics::Implementation {
 public:
   Implementation(const RobotDescription& robot, const World& world, const Pose2& world_from_base)
       : robot_(robot),
+        whole_(combined(robot)),
         floor_friction_(world.floor_friction),
-        world_(createWorld()),
+        world_(createOdeWorld()),
         contacts_(dJointGroupCreate(0)),
         statics_(createStaticSpace(world)),
         chassis_space_(dSimpleSpaceCreate(nullptr)),
-        floor_(dCreatePlane(nullptr, 0, 0, 1, 0)) {
-    dWorldSetGravity(world_, 0, 0, -kGravity_mps2);
+        floor_(dCreatePlane(nullptr, 0, 0, 1, 0)),
+        probe_(dCreateSphere(nullptr, 1.0)),
+        chassis_(createBody(world_, whole_)) {
+    const Eigen::Vector3d& gravity = world.gravity_mps2;
+    dWorldSetGravity(world_, gravity.x(), gravity.y(), gravity.z());
     dWorldSetERP(world_, kErrorReduction);
-    dWorldSetCFM(world_, kWheelSoftness);
+    dWorldSetCFM(world_, kFrictionSoftness);
     dWorldSetContactMaxCorrectingVel(world_, kMaxCorrectingSpeed_mps);
     for (const Solid& solid : world.solids) {
       if (solid.solid) addStatic(solid);
     }
     createChassis();
-    createWheel(robot.left, wheels_[0]);
-    createWheel(robot.right, wheels_[1]);
+    for (const Wheel& wheel : robot.wheels) createWheel(wheel);
     setPose(world_from_base);
   }
 
-  void step(double duration_s, const WheelPair& speeds_radps) {
-    dJointSetHingeParam(wheels_[0].axle, dParamVel, speeds_radps.left);
-    dJointSetHingeParam(wheels_[1].axle, dParamVel, speeds_radps.right);
-    for (WheelBody& wheel : wheels_) addWheelContact(wheel);
-    for (const GeomHandle& caster : casters_) addCasterContact(caster);
-    collideChassis();
-    dWorldStep(world_, duration_s);
-    for (WheelBody& wheel : wheels_) {
-      wheel.load_n = wheel.touched_floor ? std::max(0.0, wheel.contact_force.f1[2]) : 0.0;
-      wheel.angle_rad += duration_s * dJointGetHingeAngleRate(wheel.axle);
+  void step(double duration_s, const WheelMotion& motion) {
+    solid_contacts_.clear();
+    if (mayTouchSolid() || isTipped()) collideChassis();
+    for (std::size_t i = 0; i < wheels_.size(); ++i) {
+      wheels_[i].steering_rad = motion.steering_rad[i];
+      prepareContact(wheels_[i]);
     }
-    dJointGroupEmpty(contacts_);
-    if (!worldFromBase().matrix().allFinite() || !std::isfinite(linearVelocity().norm())) {
+    const BodyState before = stateOf(chassis_);
+    for (int trial = 0; trial < kMotorTrials; ++trial) {
+      if (trial > 0) setState(chassis_, before);
+      addSpinTorques();
+      createContactJoints(duration_s, motion);
+      dWorldStep(world_, duration_s);
+      dJointGroupEmpty(contacts_);
+      if (motorsDidAsAssumed(duration_s, motion)) break;
+    }
+    for (std::size_t i = 0; i < wheels_.size(); ++i)
+      spin(wheels_[i], duration_s, motion.speeds_radps[i]);
+    const double sum = toEigen(dBodyGetPosition(chassis_)).sum() + rotationOf(chassis_).sum() +
+                       toEigen(dBodyGetLinearVel(chassis_)).sum();
+    if (!std::isfinite(sum))
       throw std::runtime_error("the physics diverged: the robot's pose is not finite");
-    }
   }
 
   Eigen::Isometry3d worldFromBase() const {
-    const dReal* q = dBodyGetQuaternion(chassis_);
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+    pose.linear() = rotationOf(chassis_);
     pose.translation() =
-        toEigen(dBodyGetPosition(chassis_)) - pose.linear() * robot_.chassis.center_in_base_m;
+        toEigen(dBodyGetPosition(chassis_)) - pose.linear() * whole_.center_in_base_m;
     return pose;
   }
 
   Eigen::Vector3d linearVelocity() const {
-    const Eigen::Vector3d base_offset = worldFromBase().linear() * -robot_.chassis.center_in_base_m;
+    const Eigen::Vector3d base_offset = rotationOf(chassis_) * -whole_.center_in_base_m;
     return toEigen(dBodyGetLinearVel(chassis_)) + angularVelocity().cross(base_offset);
   }
   Eigen::Vector3d angularVelocity() const { return toEigen(dBodyGetAngularVel(chassis_)); }
 
-  WheelPair angles() const { return {wheels_[0].angle_rad, wheels_[1].angle_rad}; }
-  WheelPair speeds() const {
-    return {dJointGetHingeAngleRate(wheels_[0].axle), dJointGetHingeAngleRate(wheels_[1].axle)};
+  template <typename Member>
+  WheelValues ofWheels(Member member) const {
+    WheelValues values = {};
+    for (std::size_t i = 0; i < wheels_.size(); ++i) values[i] = wheels_[i].*member;
+    return values;
   }
-  WheelPair loads() const { return {wheels_[0].load_n, wheels_[1].load_n}; }
-  bool touchesSolid() const { return solid_contacts_ > 0; }
+  bool touchesSolid() const { return !solid_contacts_.empty(); }
+  void setFloorFriction(double friction) { floor_friction_ = friction; }
 
   void setPose(const Pose2& pose) {
     if (!(std::abs(pose.x_m) <= kLargestCoordinate_m &&
@@ -222,16 +137,21 @@ public:
                                   std::to_string(pose.yaw_rad) +
                                   ": the pose must be finite and within 100 km");
     }
-    const std::array<dBodyID, 3> bodies = {chassis_, wheels_[0].body, wheels_[1].body};
-    std::array<BodyState, 3> before;
-    std::transform(bodies.begin(), bodies.end(), before.begin(), stateOf);
-    place(toIsometry(pose));
+    const BodyState before = stateOf(chassis_);
+    Eigen::Isometry3d world_from_body = toIsometry(pose);
+    world_from_body.translation() = world_from_body * whole_.center_in_base_m;
+    setState(chassis_, atRest(world_from_body));
     if (insideSolid()) {
-      for (std::size_t i = 0; i < bodies.size(); ++i) setState(bodies[i], before[i]);
+      setState(chassis_, before);
       throw std::invalid_argument("a robot at (" + std::to_string(pose.x_m) + ", " +
                                   std::to_string(pose.y_m) + ") m would stand inside a solid");
     }
-    for (WheelBody& wheel : wheels_) wheel.load_n = 0.25 * kGravity_mps2 * robot_.chassis.mass_kg;
+    for (WheelState& wheel : wheels_) {
+      wheel.load_n = 0.25 * dGravity() * whole_.mass_kg;
+      wheel.speed_radps = wheel.acceleration_radps2 = 0.0;
+    }
+    clear_within_m_ = 0.0;
+    steps_near_solid_ = 0;
   }
 
 private:
@@ -250,129 +170,218 @@ private:
               solid.world_from_solid);
   }
 
+  double dGravity() const {
+    dVector3 gravity;
+    dWorldGetGravity(world_, gravity);
+    return toEigen(gravity).norm();
+  }
+
   void createChassis() {
-    chassis_ = createBody(world_, robot_.chassis);
-    Eigen::Isometry3d center_from_base = Eigen::Isometry3d::Identity();
-    center_from_base.translation() = -robot_.chassis.center_in_base_m;
+    Eigen::Isometry3d body_from_base = Eigen::Isometry3d::Identity();
+    body_from_base.translation() = -whole_.center_in_base_m;
+    World parts;
+    parts.solids = robot_.chassis_shapes;
+    const Eigen::AlignedBox3d bounds = boundsOf(parts);
+    reach_m_ = (bounds.max() - whole_.center_in_base_m)
+                   .cwiseAbs()
+                   .cwiseMax((bounds.min() - whole_.center_in_base_m).cwiseAbs())
+                   .norm();
     for (const Solid& shape : robot_.chassis_shapes) {
       const dGeomID geom = createGeom(chassis_space_, shape);
       dGeomSetBody(geom, chassis_);
-      offsetGeom(geom, center_from_base * shape.world_from_solid);
-    }
-    for (const Caster& caster : robot_.casters) {
-      casters_.emplace_back(dCreateSphere(nullptr, caster.radius_m));
-      dGeomSetBody(casters_.back(), chassis_);
-      const Eigen::Vector3d offset = center_from_base * caster.center_in_base_m;
-      dGeomSetOffsetPosition(casters_.back(), offset.x(), offset.y(), offset.z());
+      offsetGeom(geom, body_from_base * shape.world_from_solid);
     }
   }
 
-  static void offsetGeom(dGeomID geom, const Eigen::Isometry3d& body_from_geom) {
-    const Eigen::Quaterniond q(body_from_geom.linear());
-    const dQuaternion quaternion = {q.w(), q.x(), q.y(), q.z()};
-    const Eigen::Vector3d p = body_from_geom.translation();
-    dGeomSetOffsetPosition(geom, p.x(), p.y(), p.z());
-    dGeomSetOffsetQuaternion(geom, quaternion);
-  }
-
-  void createWheel(const Wheel& description, WheelBody& wheel) {
+  void createWheel(const Wheel& description) {
+    WheelState wheel;
     wheel.description = description;
-    wheel.body = createBody(world_, description.mass);
-    wheel.geom = GeomHandle(dCreateSphere(nullptr, description.radius_m));
-    dGeomSetBody(wheel.geom, wheel.body);
-    const Eigen::Vector3d center = description.center_in_base_m - robot_.chassis.center_in_base_m;
-    dBodySetPosition(wheel.body, center.x(), center.y(), center.z());
-    wheel.axle = dJointCreateHinge(world_, nullptr);
-    dJointAttach(wheel.axle, wheel.body, chassis_);
-    dJointSetHingeAnchor(wheel.axle, center.x(), center.y(), center.z());
-    dJointSetHingeAxis(wheel.axle, 0, 1, 0);
-    dJointSetHingeParam(wheel.axle, dParamFMax, description.max_torque_nm);
-  }
-
-  void place(const Eigen::Isometry3d& world_from_base) {
-    const auto at = [&world_from_base](const Eigen::Vector3d& offset) {
-      Eigen::Isometry3d pose = world_from_base;
-      pose.translation() = world_from_base * offset;
-      return pose;
-    };
-    setState(chassis_, atRest(at(robot_.chassis.center_in_base_m)));
-    for (WheelBody& wheel : wheels_) {
-      setState(wheel.body, atRest(at(wheel.description.center_in_base_m)));
-    }
+    wheel.center_in_body_m = description.center_in_base_m - whole_.center_in_base_m;
+    wheel.inertia_kgm2 =
+        description.axle_in_base.dot(description.mass.inertia_kgm2 * description.axle_in_base);
+    if (description.max_torque_nm == 0.0) wheel.fixed_torque_nm = 0.0;
+    wheels_.push_back(wheel);
   }
 
   bool insideSolid() {
     bool inside = false;
     dSpaceCollide2(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)),
-                   reinterpret_cast<dGeomID>(dSpaceID(statics_)), &inside,
-                   [](void* result, dGeomID a, dGeomID b) {
-                     dContactGeom contact;
-                     if (dCollide(a, b, 1, &contact, sizeof(contact)) > 0)
-                       *static_cast<bool*>(result) = true;
-                   });
+                   reinterpret_cast<dGeomID>(dSpaceID(statics_)), &inside, setIfTouching);
     return inside;
   }
 
-  /// The joint that keeps a geom on the floor; null if it does not touch.
-  bool touchFloor(dGeomID geom, dContact& contact) {
-    return dCollide(geom, floor_, 1, &contact.geom, sizeof(dContactGeom)) > 0;
+  static void setIfTouching(void* result, dGeomID a, dGeomID b) {
+    dContactGeom contact;
+    if (dCollide(a, b, 1, &contact, sizeof(contact)) > 0) *static_cast<bool*>(result) = true;
   }
 
-  void addWheelContact(WheelBody& wheel) {
-    dContact contact = {};
-    wheel.touched_floor = touchFloor(wheel.geom, contact);
-    if (!wheel.touched_floor) return;
-    contact.surface.mode = dContactMu2 | dContactFDir1 | dContactSoftCFM;
-    contact.surface.mu = floor_friction_ * wheel.load_n;
-    contact.surface.mu2 = contact.surface.mu;
-    contact.surface.soft_cfm = kWheelSoftness;
-    dVector3 axle;
-    dJointGetHingeAxis(wheel.axle, axle);
-    const Eigen::Vector3d rolling = toEigen(axle).cross(toEigen(contact.geom.normal)).normalized();
-    for (int i = 0; i < 3; ++i) contact.fdir1[i] = rolling[i];
-    const dJointID joint = dJointCreateContact(world_, contacts_, &contact);
-    dJointSetFeedback(joint, &wheel.contact_force);
-    dJointAttach(joint, wheel.body, nullptr);
+  /// False while the robot cannot have reached what was nearest when it last looked around; solids
+  /// stand still.
+  bool mayTouchSolid() {
+    const Eigen::Vector3d position = toEigen(dBodyGetPosition(chassis_));
+    if ((position - clear_around_m_).norm() < clear_within_m_) return false;
+    if (steps_near_solid_ > 0) {
+      --steps_near_solid_;
+      return true;
+    }
+    clear_around_m_ = position;
+    dGeomSetPosition(probe_, position.x(), position.y(), position.z());
+    for (const double ahead_m : kLookAhead_m) {
+      bool occupied = false;
+      dGeomSphereSetRadius(probe_, reach_m_ + ahead_m);
+      dSpaceCollide2(probe_, reinterpret_cast<dGeomID>(dSpaceID(statics_)), &occupied,
+                     setIfTouching);
+      clear_within_m_ = occupied ? 0.0 : ahead_m;
+      if (!occupied) return false;
+    }
+    steps_near_solid_ = kStepsNearSolid;
+    return true;
   }
 
-  void addCasterContact(dGeomID caster) {
-    dContact contact = {};
-    if (!touchFloor(caster, contact)) return;
-    contact.surface.mode = dContactSoftCFM;
-    contact.surface.mu = 0.0;
-    contact.surface.soft_cfm = kCasterSoftness;
-    dJointAttach(dJointCreateContact(world_, contacts_, &contact), chassis_, nullptr);
+  /// The contact of a sphere with the floor; false if it does not touch.
+  static bool touchFloor(const Eigen::Vector3d& center_m, double radius_m, dContact& contact) {
+    contact.geom.depth = radius_m - center_m.z();
+    if (contact.geom.depth < 0.0) return false;
+    contact.geom.pos[0] = center_m.x();
+    contact.geom.pos[1] = center_m.y();
+    contact.geom.pos[2] = center_m.z() - radius_m;
+    contact.geom.normal[2] = 1.0;
+    return true;
+  }
+
+  Eigen::Vector3d inWorld(const Eigen::Vector3d& in_body_m) const {
+    return toEigen(dBodyGetPosition(chassis_)) + rotationOf(chassis_) * in_body_m;
+  }
+
+  Eigen::Vector3d axleInWorld(const WheelState& wheel) const {
+    const Eigen::AngleAxisd steered(wheel.steering_rad, Eigen::Vector3d::UnitZ());
+    return rotationOf(chassis_) * (steered * wheel.description.axle_in_base);
+  }
+
+  void prepareContact(WheelState& wheel) const {
+    wheel.contact = {};
+    wheel.touches_floor =
+        touchFloor(inWorld(wheel.center_in_body_m), wheel.description.radius_m, wheel.contact);
+    if (!wheel.touches_floor) return;
+    wheel.rolling = axleInWorld(wheel).cross(Eigen::Vector3d::UnitZ()).normalized();
+    for (int i = 0; i < 3; ++i) wheel.contact.fdir1[i] = wheel.rolling[i];
+    dSurfaceParameters& surface = wheel.contact.surface;
+    surface.mode = dContactMu2 | dContactFDir1 | dContactMotion1 | dContactSlip1 | dContactSoftCFM;
+    surface.mu = floor_friction_ * wheel.load_n;
+    surface.mu2 = wheel.description.omni ? 0.0 : surface.mu;
+    surface.soft_cfm = kWheelSoftness;
+  }
+
+  /// Contact speed = r w' with w' = target, or w + h / I (torque - r traction).
+  static void driveContact(WheelState& wheel, double duration_s, double target_radps) {
+    dSurfaceParameters& surface = wheel.contact.surface;
+    const double radius_m = wheel.description.radius_m;
+    surface.motion1 = radius_m * target_radps;
+    surface.slip1 = kFrictionSoftness;
+    if (wheel.fixed_torque_nm) {
+      const double per_torque = duration_s / wheel.inertia_kgm2;
+      surface.motion1 = radius_m * (wheel.speed_radps + per_torque * *wheel.fixed_torque_nm);
+      surface.slip1 += radius_m * radius_m * per_torque;
+    }
+  }
+
+  void createContactJoints(double duration_s, const WheelMotion& motion) {
+    for (std::size_t i = 0; i < wheels_.size(); ++i) {
+      WheelState& wheel = wheels_[i];
+      if (!wheel.touches_floor) continue;
+      driveContact(wheel, duration_s, motion.speeds_radps[i]);
+      const dJointID joint = dJointCreateContact(world_, contacts_, &wheel.contact);
+      dJointSetFeedback(joint, &wheel.force);
+      dJointAttach(joint, chassis_, nullptr);
+    }
+    for (const Caster& caster : robot_.casters) {
+      dContact contact = {};
+      const Eigen::Vector3d center_m = inWorld(caster.center_in_base_m - whole_.center_in_base_m);
+      if (!touchFloor(center_m, caster.radius_m, contact)) continue;
+      contact.surface.mode = dContactSoftCFM;
+      contact.surface.soft_cfm = kCasterSoftness;
+      dJointAttach(dJointCreateContact(world_, contacts_, &contact), chassis_, nullptr);
+    }
+    for (const dContact& contact : solid_contacts_) {
+      dJointAttach(dJointCreateContact(world_, contacts_, &contact), dGeomGetBody(contact.geom.g1),
+                   dGeomGetBody(contact.geom.g2));
+    }
+  }
+
+  /// What the spinning wheels do to the chassis: the reaction to their acceleration (of the step
+  /// before) and their gyroscopic torque.
+  void addSpinTorques() {
+    Eigen::Vector3d torque_nm = Eigen::Vector3d::Zero();
+    for (const WheelState& wheel : wheels_) {
+      const Eigen::Vector3d axle = wheel.inertia_kgm2 * axleInWorld(wheel);
+      torque_nm -=
+          wheel.acceleration_radps2 * axle + angularVelocity().cross(wheel.speed_radps * axle);
+    }
+    dBodyAddTorque(chassis_, torque_nm.x(), torque_nm.y(), torque_nm.z());
+  }
+
+  /// The torque that would bring the wheel to the target speed.
+  static double neededTorque_nm(const WheelState& wheel, double duration_s, double target_radps) {
+    return wheel.inertia_kgm2 * (target_radps - wheel.speed_radps) / duration_s +
+           wheel.description.radius_m * wheel.traction_n();
+  }
+
+  /// Otherwise notes what to assume instead.
+  bool motorsDidAsAssumed(double duration_s, const WheelMotion& motion) {
+    bool right = true;
+    for (std::size_t i = 0; i < wheels_.size(); ++i) {
+      WheelState& wheel = wheels_[i];
+      const double limit_nm = wheel.description.max_torque_nm;
+      if (limit_nm == 0.0) continue;
+      const double needed_nm = neededTorque_nm(wheel, duration_s, motion.speeds_radps[i]);
+      std::optional<double> fixed_nm;
+      if (std::abs(needed_nm) > limit_nm) fixed_nm = std::copysign(limit_nm, needed_nm);
+      right = right && fixed_nm == wheel.fixed_torque_nm;
+      wheel.fixed_torque_nm = fixed_nm;
+    }
+    return right;
+  }
+
+  static void spin(WheelState& wheel, double duration_s, double target_radps) {
+    const double limit_nm = wheel.description.max_torque_nm;
+    const double torque_nm =
+        std::clamp(neededTorque_nm(wheel, duration_s, target_radps), -limit_nm, limit_nm);
+    wheel.acceleration_radps2 =
+        (torque_nm - wheel.description.radius_m * wheel.traction_n()) / wheel.inertia_kgm2;
+    wheel.speed_radps += duration_s * wheel.acceleration_radps2;
+    wheel.angle_rad += duration_s * wheel.speed_radps;
+    wheel.load_n = wheel.touches_floor ? std::max(0.0, wheel.force.f1[2]) : 0.0;
   }
 
   void collideChassis() {
-    solid_contacts_ = 0;
     const auto near = [](void* self, dGeomID a, dGeomID b) {
       static_cast<Implementation*>(self)->touchSolid(a, b);
     };
     dSpaceCollide2(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)),
                    reinterpret_cast<dGeomID>(dSpaceID(statics_)), this, near);
     // A robot that tips over lies on the floor with its chassis.
-    if (worldFromBase().linear()(2, 2) < 0.99) {
+    if (isTipped()) {
       dSpaceCollide2(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)), floor_, this, near);
     }
   }
 
+  bool isTipped() const { return rotationOf(chassis_)(2, 2) < 0.99; }
+
   void touchSolid(dGeomID a, dGeomID b) {
     std::array<dContactGeom, kContactsPerPair> touches;
     const int count = dCollide(a, b, kContactsPerPair, touches.data(), sizeof(dContactGeom));
-    for (int i = 0; i < count && solid_contacts_ < kMaxSolidContacts; ++i) {
+    for (int i = 0; i < count && solid_contacts_.size() < kMaxSolidContacts; ++i) {
       dContact contact = {};
       contact.geom = touches[static_cast<std::size_t>(i)];
       contact.surface.mode = dContactApprox1 | dContactSoftCFM;
       contact.surface.mu = kSolidFriction;
       contact.surface.soft_cfm = kSolidSoftness;
-      dJointAttach(dJointCreateContact(world_, contacts_, &contact), dGeomGetBody(contact.geom.g1),
-                   dGeomGetBody(contact.geom.g2));
-      ++solid_contacts_;
+      solid_contacts_.push_back(contact);
     }
   }
 
   RobotDescription robot_;
+  MassProperties whole_;
   double floor_friction_;
   WorldHandle world_;
   ContactGroup contacts_;
@@ -381,10 +390,14 @@ private:
   SpaceHandle statics_;
   SpaceHandle chassis_space_;
   GeomHandle floor_;
-  dBodyID chassis_ = nullptr;
-  std::vector<GeomHandle> casters_;
-  std::array<WheelBody, 2> wheels_;
-  int solid_contacts_ = 0;
+  GeomHandle probe_;
+  dBodyID chassis_;
+  std::vector<WheelState> wheels_;
+  std::vector<dContact> solid_contacts_;
+  double reach_m_ = 0.0;  // of the chassis from its centre of mass
+  Eigen::Vector3d clear_around_m_ = Eigen::Vector3d::Zero();
+  double clear_within_m_ = 0.0;
+  int steps_near_solid_ = 0;
 };
 
 Physics::Physics(const RobotDescription& robot, const World& world, const Pose2& world_from_base)
@@ -393,8 +406,8 @@ Physics::~Physics() = default;
 Physics::Physics(Physics&&) noexcept = default;
 Physics& Physics::operator=(Physics&&) noexcept = default;
 
-void Physics::step(double duration_s, const WheelPair& wheel_speeds_radps) {
-  implementation_->step(duration_s, wheel_speeds_radps);
+void Physics::step(double duration_s, const WheelMotion& motion) {
+  implementation_->step(duration_s, motion);
 }
 Eigen::Isometry3d Physics::worldFromBase() const {
   return implementation_->worldFromBase();
@@ -405,17 +418,24 @@ Eigen::Vector3d Physics::linearVelocity_mps() const {
 Eigen::Vector3d Physics::angularVelocity_radps() const {
   return implementation_->angularVelocity();
 }
-WheelPair Physics::wheelAngles_rad() const {
-  return implementation_->angles();
+WheelValues Physics::wheelAngles_rad() const {
+  return implementation_->ofWheels(&WheelState::angle_rad);
 }
-WheelPair Physics::wheelSpeeds_radps() const {
-  return implementation_->speeds();
+WheelValues Physics::wheelSpeeds_radps() const {
+  return implementation_->ofWheels(&WheelState::speed_radps);
 }
-WheelPair Physics::wheelLoads_n() const {
-  return implementation_->loads();
+WheelValues Physics::wheelLoads_n() const {
+  return implementation_->ofWheels(&WheelState::load_n);
 }
 bool Physics::touchesSolid() const {
   return implementation_->touchesSolid();
+}
+void Physics::setFloorFriction(double friction) {
+  if (!(friction >= 0.0 && std::isfinite(friction))) {
+    throw std::invalid_argument("floor friction must be >= 0 and finite, got " +
+                                std::to_string(friction));
+  }
+  implementation_->setFloorFriction(friction);
 }
 void Physics::setPose(const Pose2& world_from_base) {
   implementation_->setPose(world_from_base);

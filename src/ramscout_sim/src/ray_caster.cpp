@@ -227,14 +227,22 @@ private:
     }
   }
 
+  /// Embree takes components below 1e-18 for positive when it inverts them, but not when it sorts
+  /// rays by sign: a packet with a tiny negative one misses what it should hit.
+  static void copyDirections(const float* from, int count, float* to) {
+    constexpr float kSmallest = 1e-12F;
+    std::transform(from, from + count, to,
+                   [](float x) { return std::abs(x) < kSmallest ? kSmallest : x; });
+  }
+
   static void fill(const Rays& rays, Eigen::Index first, int count, RTCRayHit16& packet) {
     const auto& [origins_m, directions] = rays;
     std::copy_n(origins_m.col(0).data() + first, count, packet.ray.org_x);
     std::copy_n(origins_m.col(1).data() + first, count, packet.ray.org_y);
     std::copy_n(origins_m.col(2).data() + first, count, packet.ray.org_z);
-    std::copy_n(directions.col(0).data() + first, count, packet.ray.dir_x);
-    std::copy_n(directions.col(1).data() + first, count, packet.ray.dir_y);
-    std::copy_n(directions.col(2).data() + first, count, packet.ray.dir_z);
+    copyDirections(directions.col(0).data() + first, count, packet.ray.dir_x);
+    copyDirections(directions.col(1).data() + first, count, packet.ray.dir_y);
+    copyDirections(directions.col(2).data() + first, count, packet.ray.dir_z);
     std::fill_n(packet.ray.tnear, kPacket, 0.0F);
     std::fill_n(packet.ray.tfar, kPacket, kInfinity);
     std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_sim/robot_description.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -63,22 +65,6 @@ MassProperties readMass(const urdf::Link& link, const Eigen::Isometry3d& base_fr
   return {inertial.mass, base_from_inertial.translation(), rotation * own * rotation.transpose()};
 }
 
-/// Two bodies as one (parallel axis theorem).
-MassProperties merge(const MassProperties& a, const MassProperties& b) {
-  MassProperties sum;
-  sum.mass_kg = a.mass_kg + b.mass_kg;
-  if (sum.mass_kg <= 0.0) return sum;
-  sum.center_in_base_m =
-      (a.mass_kg * a.center_in_base_m + b.mass_kg * b.center_in_base_m) / sum.mass_kg;
-  for (const MassProperties& part : {a, b}) {
-    const Eigen::Vector3d offset = part.center_in_base_m - sum.center_in_base_m;
-    sum.inertia_kgm2 +=
-        part.inertia_kgm2 + part.mass_kg * (offset.squaredNorm() * Eigen::Matrix3d::Identity() -
-                                            offset * offset.transpose());
-  }
-  return sum;
-}
-
 Solid readCollision(const urdf::Collision& collision,
                     const std::string& link,
                     const Eigen::Isometry3d& base_from_link) {
@@ -114,21 +100,22 @@ Wheel readWheel(const urdf::Joint& joint,
   const std::string element = "joint '" + joint.name + "'";
   const Eigen::Vector3d axis =
       base_from_link.linear() * Eigen::Vector3d(joint.axis.x, joint.axis.y, joint.axis.z);
-  if (!axis.isApprox(Eigen::Vector3d::UnitY(), 1e-6))
-    refuse(element, "a wheel's axis must be the base's y axis");
+  if (!(std::abs(axis.z()) < 1e-6 && std::abs(axis.norm() - 1.0) < 1e-3))
+    refuse(element, "a wheel's axis must be horizontal");
   if (!link.inertial) refuse("link '" + link.name + "'", "a wheel needs an inertial element");
   if (!link.collision) refuse("link '" + link.name + "'", "a wheel needs a collision element");
-  if (!joint.limits || !(joint.limits->effort > 0.0))
-    refuse(element, "needs <limit effort=...>: the motor's torque in Nm");
   const Solid shape = readCollision(*link.collision, link.name, base_from_link);
   if (shape.shape == Shape::kBox)
     refuse("link '" + link.name + "'", "a wheel's collision must be a cylinder or a sphere");
   Wheel wheel;
   wheel.joint = joint.name;
   wheel.center_in_base_m = base_from_link.translation();
+  wheel.axle_in_base = axis.normalized();
   wheel.radius_m = 0.5 * shape.size_m.x();
   wheel.mass = readMass(link, base_from_link);
-  wheel.max_torque_nm = joint.limits->effort;
+  if (joint.limits) wheel.max_torque_nm = joint.limits->effort;
+  if (!(wheel.max_torque_nm >= 0.0 && std::isfinite(wheel.max_torque_nm)))
+    refuse(element, "<limit effort=...>, the motor's torque in Nm, must be >= 0");
   if (std::abs(wheel.center_in_base_m.z() - wheel.radius_m) > kTouchesFloor_m) {
     refuse(element, "the wheel must touch the floor: its centre lies " +
                         std::to_string(wheel.center_in_base_m.z()) +
@@ -138,13 +125,50 @@ Wheel readWheel(const urdf::Joint& joint,
   return wheel;
 }
 
+Steering readSteering(const urdf::Joint& joint, const Eigen::Isometry3d& base_from_link) {
+  const std::string element = "joint '" + joint.name + "'";
+  const Eigen::Vector3d axis =
+      base_from_link.linear() * Eigen::Vector3d(joint.axis.x, joint.axis.y, joint.axis.z);
+  if (!axis.isApprox(Eigen::Vector3d::UnitZ(), 1e-6))
+    refuse(element, "a wheel is steered about the base's z axis");
+  Steering steering;
+  steering.joint = joint.name;
+  if (joint.limits) {
+    steering.max_angle_rad = std::min(-joint.limits->lower, joint.limits->upper);
+    steering.max_speed_radps = joint.limits->velocity;
+  }
+  if (!(steering.max_angle_rad > 0.0 && steering.max_angle_rad < M_PI_2))
+    refuse(element, "needs <limit lower=... upper=...> around 0 and within a right angle");
+  if (!(steering.max_speed_radps > 0.0))
+    refuse(element, "needs <limit velocity=...>: how fast it steers, in rad/s");
+  return steering;
+}
+
+/// \throws std::invalid_argument if a base of this kind cannot drive on these wheels
+void checkMotors(const RobotDescription& robot) {
+  const std::vector<Wheel>& wheels = robot.wheels;
+  const auto idle = std::find_if(wheels.begin(), wheels.end(),
+                                 [](const Wheel& wheel) { return wheel.max_torque_nm == 0.0; });
+  const bool car = robot.kind == BaseKind::kAckermann;
+  if (car && std::all_of(wheels.begin(), wheels.end(),
+                         [](const Wheel& wheel) { return wheel.max_torque_nm == 0.0; }))
+    refuse("continuous joints", "a car needs a driven wheel: <limit effort=...>");
+  if (!car && idle != wheels.end())
+    refuse("joint '" + idle->joint + "'", "needs <limit effort=...>: the motor's torque in Nm");
+  const std::string found = ", found " + std::to_string(wheels.size());
+  if (robot.kind == BaseKind::kDifferential && wheels.size() != 2)
+    refuse("continuous joints", "two driven wheels are needed" + found);
+  if (robot.kind == BaseKind::kOmnidirectional && wheels.size() < 3)
+    refuse("continuous joints", "three or four omni wheels are needed" + found);
+}
+
 /// Walks the tree of links, outwards from the base.
 class Reader {
 public:
   explicit Reader(RobotDescription& robot) : robot_(robot) {}
 
   void readChassisLink(const urdf::Link& link, const Eigen::Isometry3d& base_from_link) {
-    if (link.inertial) robot_.chassis = merge(robot_.chassis, readMass(link, base_from_link));
+    if (link.inertial) robot_.chassis = combined(robot_.chassis, readMass(link, base_from_link));
     for (const auto& collision : link.collision_array) {
       const Solid shape = readCollision(*collision, link.name, base_from_link);
       if (isCaster(shape)) {
@@ -164,20 +188,7 @@ public:
     if (!found_laser_)
       refuse("link '" + robot_.laser_frame + "'",
              "missing, or not fixed to the base: it is the lidar");
-    if (wheels_.size() != 2) {
-      refuse("continuous joints",
-             "two driven wheels are needed, found " + std::to_string(wheels_.size()));
-    }
-    if (wheels_[0].center_in_base_m.y() < wheels_[1].center_in_base_m.y())
-      std::swap(wheels_[0], wheels_[1]);
-    robot_.left = wheels_[0];
-    robot_.right = wheels_[1];
-    const Eigen::Vector3d middle =
-        0.5 * (robot_.left.center_in_base_m + robot_.right.center_in_base_m);
-    if (middle.head<2>().norm() > 1e-6 ||
-        std::abs(robot_.left.center_in_base_m.x() - robot_.right.center_in_base_m.x()) > 1e-6) {
-      refuse("link '" + robot_.base_frame + "'", "must lie midway between the two wheels");
-    }
+    arrangeWheels();
     checkSize();
   }
 
@@ -192,11 +203,90 @@ private:
       if (joint.type == urdf::Joint::FIXED) {
         readChassisLink(*child, base_from_child);
       } else if (joint.type == urdf::Joint::CONTINUOUS) {
-        wheels_.push_back(readWheel(joint, *child, base_from_child));
+        robot_.wheels.push_back(readWheel(joint, *child, base_from_child));
+      } else if (joint.type == urdf::Joint::REVOLUTE) {
+        readSteeredWheel(joint, *child, base_from_child);
       } else {
-        refuse("joint '" + joint.name + "'", "must be fixed, or continuous for a driven wheel");
+        refuse("joint '" + joint.name + "'",
+               "must be fixed, continuous for a wheel, or revolute to steer one");
       }
     }
+  }
+
+  /// The link between, the knuckle, counts as part of the chassis.
+  void readSteeredWheel(const urdf::Joint& joint,
+                        const urdf::Link& knuckle,
+                        const Eigen::Isometry3d& base_from_knuckle) {
+    const std::string element = "joint '" + joint.name + "'";
+    const Steering steering = readSteering(joint, base_from_knuckle);
+    const std::size_t before = robot_.wheels.size();
+    readChassisLink(knuckle, base_from_knuckle);
+    if (robot_.wheels.size() != before + 1) refuse(element, "must steer one wheel");
+    Wheel& wheel = robot_.wheels.back();
+    if ((wheel.center_in_base_m - base_from_knuckle.translation()).head<2>().norm() > 1e-6)
+      refuse(element, "its axis must go through the centre of the wheel");
+    wheel.steering = steering;
+  }
+
+  /// Finds out what kind of base it is; the wheels that are not steered come first, left before
+  /// right.
+  void arrangeWheels() {
+    std::vector<Wheel>& wheels = robot_.wheels;
+    const std::string number = "found " + std::to_string(wheels.size());
+    if (wheels.size() < 2 || wheels.size() > kMaxWheels)
+      refuse("continuous joints", "two driven wheels are needed, at most four wheels, " + number);
+    std::stable_sort(wheels.begin(), wheels.end(), [](const Wheel& a, const Wheel& b) {
+      if (a.steering.has_value() != b.steering.has_value()) return b.steering.has_value();
+      return a.center_in_base_m.y() > b.center_in_base_m.y();
+    });
+    const bool forward = std::all_of(wheels.begin(), wheels.end(), [](const Wheel& wheel) {
+      return wheel.axle_in_base.isApprox(Eigen::Vector3d::UnitY(), 1e-6);
+    });
+    if (wheels.back().steering) {
+      robot_.kind = BaseKind::kAckermann;
+    } else if (!forward) {
+      robot_.kind = BaseKind::kOmnidirectional;
+      for (Wheel& wheel : wheels) wheel.omni = true;
+    }
+    checkMotors(robot_);
+    if (robot_.kind == BaseKind::kOmnidirectional) {
+      checkMobility();
+    } else {
+      checkAxle(forward);
+    }
+  }
+
+  void checkAxle(bool forward) const {
+    const Wheel& left = robot_.wheels[0];
+    const Wheel& right = robot_.wheels[1];
+    if (left.steering || right.steering || (robot_.wheels.size() > 2 && !robot_.wheels[2].steering))
+      refuse("continuous joints", "exactly two wheels of a car must not be steered");
+    if (!forward) refuse("continuous joints", "a wheel's axis must be the base's y axis");
+    const Eigen::Vector3d middle = 0.5 * (left.center_in_base_m + right.center_in_base_m);
+    if (middle.head<2>().norm() > 1e-6 ||
+        std::abs(left.center_in_base_m.x() - right.center_in_base_m.x()) > 1e-6) {
+      refuse("link '" + robot_.base_frame + "'", "must lie midway between the two wheels");
+    }
+    if (!(robot_.trackWidth_m() >= kSmallestSize_m))
+      refuse("wheels", "must be at least 0.05 m apart");
+    for (const Wheel& wheel : robot_.wheels) {
+      if (wheel.steering && std::abs(wheel.center_in_base_m.x()) < kSmallestSize_m)
+        refuse("joint '" + wheel.joint + "'", "a steered wheel must not lie on the other axle");
+    }
+  }
+
+  /// Omni wheels must resist motion in every direction, or nothing would hold the robot.
+  void checkMobility() const {
+    Eigen::Matrix<double, Eigen::Dynamic, 3> rows(robot_.wheels.size(), 3);
+    for (std::size_t i = 0; i < robot_.wheels.size(); ++i) {
+      const Wheel& wheel = robot_.wheels[i];
+      const Eigen::Vector3d rolling = wheel.axle_in_base.cross(Eigen::Vector3d::UnitZ());
+      const double lever_m = wheel.center_in_base_m.cross(rolling).z();
+      rows.row(static_cast<Eigen::Index>(i)) << rolling.x(), rolling.y(), lever_m / kSmallestSize_m;
+    }
+    const auto singular = Eigen::JacobiSVD<Eigen::MatrixXd>(rows).singularValues();
+    if (!(singular[2] > 0.1))
+      refuse("continuous joints", "such omni wheels cannot hold the base in every direction");
   }
 
   void checkSize() const {
@@ -211,16 +301,34 @@ private:
            << " m is not within 0.05 to 5 m; are the lengths in metres?";
       refuse("chassis", text.str());
     }
-    if (!(robot_.trackWidth_m() >= kSmallestSize_m))
-      refuse("wheels", "must be at least 0.05 m apart");
   }
 
   RobotDescription& robot_;
-  std::vector<Wheel> wheels_;
   bool found_laser_ = false;
 };
 
 }  // namespace
+
+MassProperties combined(const MassProperties& a, const MassProperties& b) {
+  MassProperties sum;
+  sum.mass_kg = a.mass_kg + b.mass_kg;
+  if (sum.mass_kg <= 0.0) return sum;
+  sum.center_in_base_m =
+      (a.mass_kg * a.center_in_base_m + b.mass_kg * b.center_in_base_m) / sum.mass_kg;
+  for (const MassProperties& part : {a, b}) {
+    const Eigen::Vector3d offset = part.center_in_base_m - sum.center_in_base_m;
+    sum.inertia_kgm2 +=
+        part.inertia_kgm2 + part.mass_kg * (offset.squaredNorm() * Eigen::Matrix3d::Identity() -
+                                            offset * offset.transpose());
+  }
+  return sum;
+}
+
+MassProperties combined(const RobotDescription& robot) {
+  MassProperties whole = robot.chassis;
+  for (const Wheel& wheel : robot.wheels) whole = combined(whole, wheel.mass);
+  return whole;
+}
 
 RobotDescription parseRobot(const std::string& urdf, const std::string& laser_frame) {
   ParserLog log;

@@ -18,25 +18,12 @@ void require(bool condition, const std::string& parameter, double value, const c
 /// How often the driver of a tour looks where the robot is.
 constexpr std::int64_t kDrivePeriod_ns = 10'000'000;
 
-double approach(double value, double target, double largest_change) {
-  return value + std::clamp(target - value, -largest_change, largest_change);
-}
-
 /// When the n-th of a series with the given rate is due.
 std::int64_t dueAt_ns(std::uint64_t index, double rate_hz) {
   return Simulation::kStart_ns + std::llround(static_cast<double>(index) / rate_hz * 1e9);
 }
 
 }  // namespace
-
-void DriveParameters::validate() const {
-  require(max_speed_mps > 0.0, "drive.max_speed_mps", max_speed_mps, "> 0");
-  require(max_turn_speed_radps > 0.0, "drive.max_turn_speed_radps", max_turn_speed_radps, "> 0");
-  require(max_acceleration_mps2 > 0.0, "drive.max_acceleration_mps2", max_acceleration_mps2, "> 0");
-  require(max_turn_acceleration_radps2 > 0.0, "drive.max_turn_acceleration_radps2",
-          max_turn_acceleration_radps2, "> 0");
-  require(command_timeout_s > 0.0, "drive.command_timeout_s", command_timeout_s, "> 0");
-}
 
 void SimulationParameters::validate() const {
   require(seed >= 0, "seed", seed, ">= 0");
@@ -80,6 +67,7 @@ Simulation::Simulation(const SimulationParameters& parameters,
       ray_caster_(world, parseInstructionSet(parameters.instruction_set)),
       physics_(withTrueGeometry(robot, parameters.odometry), world, world.start),
       odometry_(robot, parameters.odometry, static_cast<std::uint64_t>(parameters.seed)),
+      drive_(robot, parameters.drive),
       lidar_(parameters.lidar, static_cast<std::uint64_t>(parameters.seed)) {
   if (tour) driver_.emplace(*tour);
   rememberPose();
@@ -88,14 +76,14 @@ Simulation::Simulation(const SimulationParameters& parameters,
 void Simulation::command(const Twist2& twist) {
   commanded_at_ns_ = now_ns_;
   commanded_ = {};
-  if (!std::isfinite(twist.forward_mps) || !std::isfinite(twist.turn_radps)) {
+  if (!std::isfinite(twist.forward_mps) || !std::isfinite(twist.left_mps) ||
+      !std::isfinite(twist.turn_radps)) {
     throw std::invalid_argument("a velocity command that is not finite: the robot stops");
   }
   commanded_ = twist;
 }
 
 Twist2 Simulation::wantedTwist() {
-  const DriveParameters& limits = parameters_.drive;
   Twist2 wanted;
   if (activeFault(FaultKind::kMotorsDead)) return wanted;
   if (driver_) {
@@ -104,31 +92,17 @@ Twist2 Simulation::wantedTwist() {
       next_drive_ns_ = now_ns_ + kDrivePeriod_ns;
     }
     wanted = driven_;
-  } else if (now_ns_ - commanded_at_ns_ <= std::llround(limits.command_timeout_s * 1e9)) {
+  } else if (now_ns_ - commanded_at_ns_ <=
+             std::llround(parameters_.drive.command_timeout_s * 1e9)) {
     wanted = commanded_;
   }
-  wanted.forward_mps = std::clamp(wanted.forward_mps, -limits.max_speed_mps, limits.max_speed_mps);
-  wanted.turn_radps =
-      std::clamp(wanted.turn_radps, -limits.max_turn_speed_radps, limits.max_turn_speed_radps);
   return wanted;
-}
-
-WheelPair Simulation::wheelCommand(double duration_s) {
-  const DriveParameters& limits = parameters_.drive;
-  const Twist2 wanted = wantedTwist();
-  setpoint_.forward_mps = approach(setpoint_.forward_mps, wanted.forward_mps,
-                                   limits.max_acceleration_mps2 * duration_s);
-  setpoint_.turn_radps = approach(setpoint_.turn_radps, wanted.turn_radps,
-                                  limits.max_turn_acceleration_radps2 * duration_s);
-  const double turn_mps = 0.5 * robot_.trackWidth_m() * setpoint_.turn_radps;
-  return {(setpoint_.forward_mps - turn_mps) / robot_.left.radius_m,
-          (setpoint_.forward_mps + turn_mps) / robot_.right.radius_m};
 }
 
 Outputs Simulation::step() {
   Outputs outputs;
   if (steps_ == 0 && odometry_count_ == 0) {
-    outputs.odometry = odometry_.update(now_ns_, physics_.wheelAngles_rad());
+    outputs.odometry = readOdometry();
     outputs.ground_truth = groundTruth();
     ++odometry_count_;
     return outputs;
@@ -138,11 +112,12 @@ Outputs Simulation::step() {
       kStart_ns + std::llround(static_cast<double>(steps_) / parameters_.physics_rate_hz * 1e9);
   const double duration_s = 1.0 / parameters_.physics_rate_hz;
   startFaults(outputs);
-  physics_.step(duration_s, wheelCommand(duration_s));
+  wheel_motion_ = drive_.advance(wantedTwist(), duration_s);
+  physics_.step(duration_s, wheel_motion_);
   now_ns_ = next_ns;
   rememberPose();
   if (now_ns_ >= dueAt_ns(odometry_count_, parameters_.odometry_rate_hz)) {
-    outputs.odometry = odometry_.update(now_ns_, encoderAngles_rad());
+    outputs.odometry = readOdometry();
     outputs.ground_truth = groundTruth();
     ++odometry_count_;
   }
@@ -223,18 +198,24 @@ const Fault* Simulation::activeFault(FaultKind kind) const {
   return nullptr;
 }
 
-WheelPair Simulation::encoderAngles_rad() {
-  const WheelPair angles = physics_.wheelAngles_rad();
-  const double left_rad = angles.left - true_angles_rad_.left;
-  const double right_rad = angles.right - true_angles_rad_.right;
-  if (const Fault* slip = activeFault(FaultKind::kWheelSlip)) {
-    encoder_error_rad_.left += slip->amount * left_rad;
-    encoder_error_rad_.right += slip->amount * right_rad;
+OdometryReading Simulation::readOdometry() {
+  OdometryReading reading = odometry_.update(now_ns_, encoderAngles_rad());
+  reading.steering_rad = wheel_motion_.steering_rad;
+  return reading;
+}
+
+WheelValues Simulation::encoderAngles_rad() {
+  WheelValues angles = physics_.wheelAngles_rad();
+  const Fault* slip = activeFault(FaultKind::kWheelSlip);
+  for (std::size_t i = 0; i < robot_.wheels.size(); ++i) {
+    const double turned_rad = angles[i] - true_angles_rad_[i];
+    if (slip) encoder_error_rad_[i] += slip->amount * turned_rad;
+    if (activeFault(i == 0 ? FaultKind::kLeftEncoderDead : FaultKind::kRightEncoderDead) && i < 2)
+      encoder_error_rad_[i] -= turned_rad;
+    true_angles_rad_[i] = angles[i];
+    angles[i] += encoder_error_rad_[i];
   }
-  if (activeFault(FaultKind::kLeftEncoderDead)) encoder_error_rad_.left -= left_rad;
-  if (activeFault(FaultKind::kRightEncoderDead)) encoder_error_rad_.right -= right_rad;
-  true_angles_rad_ = angles;
-  return {angles.left + encoder_error_rad_.left, angles.right + encoder_error_rad_.right};
+  return angles;
 }
 
 void Simulation::maskSector(Scan& scan) const {
@@ -252,7 +233,7 @@ void Simulation::maskSector(Scan& scan) const {
 
 void Simulation::setPose(const Pose2& world_from_base) {
   physics_.setPose(world_from_base);
-  setpoint_ = {};
+  drive_.stop();
   commanded_ = {};
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "ramscout_sim/drive.hpp"
 #include "ramscout_sim/random.hpp"
 
 namespace ramscout_sim {
@@ -57,18 +58,22 @@ OdometryParameters readOdometryParameters(ram_parameters::ParameterReader& reade
 }
 
 RobotDescription withTrueGeometry(RobotDescription robot, const OdometryParameters& parameters) {
-  const double ratio = parameters.wheel_diameter_ratio;
-  const auto scaleRadius = [](Wheel& wheel, double factor) {
-    wheel.radius_m *= factor;
-    wheel.center_in_base_m.z() = wheel.radius_m;
-    wheel.mass.center_in_base_m.z() = wheel.radius_m;
-  };
-  scaleRadius(robot.right, 2.0 * ratio / (1.0 + ratio));
-  scaleRadius(robot.left, 2.0 / (1.0 + ratio));
-  for (Wheel* wheel : {&robot.left, &robot.right}) {
-    wheel->center_in_base_m.y() *= parameters.track_ratio;
-    wheel->mass.center_in_base_m.y() *= parameters.track_ratio;
+  if (robot.kind == BaseKind::kOmnidirectional) {
+    for (Wheel& wheel : robot.wheels) {
+      wheel.center_in_base_m.head<2>() *= parameters.track_ratio;
+      wheel.mass.center_in_base_m.head<2>() *= parameters.track_ratio;
+    }
+    return robot;
   }
+  const double ratio = parameters.wheel_diameter_ratio;
+  const auto change = [&parameters](Wheel& wheel, double factor) {
+    wheel.radius_m *= factor;
+    wheel.center_in_base_m.z() = wheel.mass.center_in_base_m.z() = wheel.radius_m;
+    wheel.center_in_base_m.y() *= parameters.track_ratio;
+    wheel.mass.center_in_base_m.y() *= parameters.track_ratio;
+  };
+  change(robot.wheels.at(0), 2.0 / (1.0 + ratio));
+  change(robot.wheels.at(1), 2.0 * ratio / (1.0 + ratio));
   return robot;
 }
 
@@ -77,40 +82,32 @@ WheelOdometry::WheelOdometry(const RobotDescription& robot,
                              std::uint64_t seed)
     : parameters_((parameters.validate(), parameters)),
       seed_(seed),
-      wheel_radius_m_(0.5 * (robot.left.radius_m + robot.right.radius_m)),
-      track_width_m_(robot.trackWidth_m()) {
+      robot_(robot),
+      rim_from_motion_(rimSpeedFromMotion(robot)),
+      motion_from_rim_(motionFromRimSpeed(robot)) {
   joint_covariance_(3, 3) = square(parameters_.wheel_diameter_ratio_tolerance);
   joint_covariance_(4, 4) = square(parameters_.track_ratio_tolerance);
 }
 
-OdometryReading WheelOdometry::update(std::int64_t stamp_ns, const WheelPair& wheel_angles_rad) {
-  if (updates_ > 0) {
-    addSlip({wheel_angles_rad.left - true_angles_rad_.left,
-             wheel_angles_rad.right - true_angles_rad_.right});
-  } else {
-    slipped_rad_ = {-wheel_angles_rad.left, -wheel_angles_rad.right};
+OdometryReading WheelOdometry::update(std::int64_t stamp_ns, const WheelValues& wheel_angles_rad) {
+  WheelValues turned = {};
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    turned[i] = wheel_angles_rad[i] - true_angles_rad_[i];
+    if (updates_ == 0) slipped_rad_[i] = -wheel_angles_rad[i];
   }
+  if (updates_ > 0) addSlip(turned);
   true_angles_rad_ = wheel_angles_rad;
   const double tick_rad = 2.0 * M_PI / parameters_.ticks_per_turn;
-  const WheelPair angles = {
-      std::floor((wheel_angles_rad.left + slipped_rad_.left) / tick_rad + 0.5) * tick_rad,
-      std::floor((wheel_angles_rad.right + slipped_rad_.right) / tick_rad + 0.5) * tick_rad};
-  const WheelPair counted = {angles.left - reading_.wheel_angles_rad.left,
-                             angles.right - reading_.wheel_angles_rad.right};
+  WheelValues angles = {};
+  WheelValues counted = {};
+  for (std::size_t i = 0; i < robot_.wheels.size(); ++i) {
+    angles[i] = std::floor((wheel_angles_rad[i] + slipped_rad_[i]) / tick_rad + 0.5) * tick_rad;
+    counted[i] = angles[i] - reading_.wheel_angles_rad[i];
+  }
   const double elapsed_s = static_cast<double>(stamp_ns - reading_.stamp_ns) * 1e-9;
   if (updates_ > 0 && elapsed_s > 0.0) {
-    reading_.wheel_speeds_radps = {counted.left / elapsed_s, counted.right / elapsed_s};
-    reading_.twist = {
-        0.5 * wheel_radius_m_ * (counted.left + counted.right) / elapsed_s, 0.0,
-        wheel_radius_m_ * (counted.right - counted.left) / track_width_m_ / elapsed_s};
-    // Each wheel's count is off by a uniform error of half a tick at both ends.
-    const double tick_variance_m2 = square(wheel_radius_m_ * tick_rad) / 6.0;
-    reading_.twist_covariance =
-        slipVariance(reading_.twist.forward_mps * elapsed_s, reading_.twist.turn_radps * elapsed_s);
-    reading_.twist_covariance(0, 0) += 0.5 * tick_variance_m2;
-    reading_.twist_covariance(1, 1) += 2.0 * tick_variance_m2 / square(track_width_m_);
-    reading_.twist_covariance /= square(elapsed_s);
-    integrate(counted);
+    measureTwist(counted, elapsed_s);
+    integrate(motionOf(counted));
   }
   reading_.wheel_angles_rad = angles;
   reading_.stamp_ns = stamp_ns;
@@ -125,58 +122,88 @@ void WheelOdometry::reset() {
   joint_covariance_.leftCols<3>().setZero();
 }
 
-void WheelOdometry::addSlip(const WheelPair& turned_rad) {
-  const double distance_m = 0.5 * wheel_radius_m_ * (turned_rad.left + turned_rad.right);
-  const double yaw_rad = wheel_radius_m_ * (turned_rad.right - turned_rad.left) / track_width_m_;
-  const Eigen::Matrix2d variance = slipVariance(distance_m, yaw_rad);
-  Random random(seed_, Stream::kSlip, updates_);
-  const double slip_m = std::sqrt(variance(0, 0)) * random.gaussian();
-  const double slip_rad = std::sqrt(variance(1, 1)) * random.gaussian();
-  slipped_rad_.left += (slip_m - 0.5 * track_width_m_ * slip_rad) / wheel_radius_m_;
-  slipped_rad_.right += (slip_m + 0.5 * track_width_m_ * slip_rad) / wheel_radius_m_;
+void WheelOdometry::measureTwist(const WheelValues& counted_rad, double elapsed_s) {
+  const Eigen::Vector3d motion = motionOf(counted_rad);
+  reading_.twist = {motion.x() / elapsed_s, motion.y() / elapsed_s, motion.z() / elapsed_s};
+  reading_.twist_covariance = slipVariance(motion);
+  // Each wheel's count is off by a uniform error of half a tick at both ends.
+  const double tick_rad = 2.0 * M_PI / parameters_.ticks_per_turn;
+  for (std::size_t i = 0; i < robot_.wheels.size(); ++i) {
+    reading_.wheel_speeds_radps[i] = counted_rad[i] / elapsed_s;
+    const Eigen::Vector3d column = motion_from_rim_.col(static_cast<Eigen::Index>(i));
+    const double variance_m2 = square(robot_.wheels[i].radius_m * tick_rad) / 6.0;
+    reading_.twist_covariance += variance_m2 * column * column.transpose();
+  }
+  reading_.twist_covariance /= square(elapsed_s);
 }
 
-/// Of distance and heading after such a motion.
-Eigen::Matrix2d WheelOdometry::slipVariance(double distance_m, double yaw_rad) const {
-  Eigen::Matrix2d variance = Eigen::Matrix2d::Zero();
-  variance(0, 0) = square(parameters_.slip_distance_sigma_per_sqrt_m) * std::abs(distance_m);
-  variance(1, 1) = square(parameters_.slip_yaw_sigma_rad_per_sqrt_m) * std::abs(distance_m) +
-                   square(parameters_.slip_yaw_sigma_rad_per_sqrt_rad) * std::abs(yaw_rad);
+/// Way forward and to the left, and turn.
+Eigen::Vector3d WheelOdometry::motionOf(const WheelValues& turned_rad) const {
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < robot_.wheels.size(); ++i) {
+    motion += motion_from_rim_.col(static_cast<Eigen::Index>(i)) * robot_.wheels[i].radius_m *
+              turned_rad[i];
+  }
+  return motion;
+}
+
+void WheelOdometry::addSlip(const WheelValues& turned_rad) {
+  const Eigen::Matrix3d variance = slipVariance(motionOf(turned_rad));
+  Random random(seed_, Stream::kSlip, updates_);
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();
+  for (const int i : {0, 2, 1}) slip[i] = std::sqrt(variance(i, i)) * random.gaussian();
+  for (std::size_t i = 0; i < robot_.wheels.size(); ++i) {
+    slipped_rad_[i] +=
+        rim_from_motion_.row(static_cast<Eigen::Index>(i)).dot(slip) / robot_.wheels[i].radius_m;
+  }
+}
+
+/// Of the way forward and to the left, and of the heading, after such a motion.
+Eigen::Matrix3d WheelOdometry::slipVariance(const Eigen::Vector3d& motion) const {
+  const double distance_m = motion.head<2>().norm();
+  const double yaw_rad = std::abs(motion.z());
+  Eigen::Matrix3d variance = Eigen::Matrix3d::Zero();
+  variance(0, 0) = square(parameters_.slip_distance_sigma_per_sqrt_m) * distance_m;
+  if (robot_.kind == BaseKind::kOmnidirectional) variance(1, 1) = variance(0, 0);
+  variance(2, 2) = square(parameters_.slip_yaw_sigma_rad_per_sqrt_m) * distance_m +
+                   square(parameters_.slip_yaw_sigma_rad_per_sqrt_rad) * yaw_rad;
   return variance;
 }
 
 // Exact for a circular arc.
-void WheelOdometry::integrate(const WheelPair& counted_rad) {
-  const double distance_m = 0.5 * wheel_radius_m_ * (counted_rad.left + counted_rad.right);
-  const double yaw_rad = wheel_radius_m_ * (counted_rad.right - counted_rad.left) / track_width_m_;
-  const double half = 0.5 * yaw_rad;
-  const double chord_m = std::abs(half) < 1e-6 ? distance_m : distance_m * std::sin(half) / half;
-  growCovariance(chord_m, yaw_rad, distance_m);
+void WheelOdometry::integrate(const Eigen::Vector3d& motion) {
+  const double half = 0.5 * motion.z();
+  const double chord = std::abs(half) < 1e-6 ? 1.0 : std::sin(half) / half;
   Pose2& pose = reading_.odom_from_base;
-  pose = {pose.x_m + chord_m * std::cos(pose.yaw_rad + half),
-          pose.y_m + chord_m * std::sin(pose.yaw_rad + half), wrapAngle(pose.yaw_rad + yaw_rad)};
+  const Eigen::Vector2d step_m =
+      chord * (Eigen::Rotation2Dd(pose.yaw_rad + half) * motion.head<2>());
+  growCovariance(motion, step_m);
+  pose = {pose.x_m + step_m.x(), pose.y_m + step_m.y(), wrapAngle(pose.yaw_rad + motion.z())};
 }
 
 // To first order (Thrun et al., Probabilistic Robotics, 2005, 5.4), with wheel diameters and track
 // as unknown constants: their errors add up instead of averaging out.
-void WheelOdometry::growCovariance(double chord_m, double yaw_rad, double distance_m) {
-  const double c = std::cos(reading_.odom_from_base.yaw_rad + 0.5 * yaw_rad);
-  const double s = std::sin(reading_.odom_from_base.yaw_rad + 0.5 * yaw_rad);
-  Eigen::Matrix<double, 3, 2> from_motion;  // d pose / d (distance, yaw)
-  from_motion << c, -0.5 * chord_m * s,     //
-      s, 0.5 * chord_m * c,                 //
-      0.0, 1.0;
-  Eigen::Matrix2d from_ratios = Eigen::Matrix2d::Zero();  // d (distance, yaw) / d (Ed, Eb)
-  from_ratios(0, 0) = 0.25 * yaw_rad * track_width_m_;
-  from_ratios(1, 0) = distance_m / track_width_m_;
-  from_ratios(1, 1) = -yaw_rad;
+void WheelOdometry::growCovariance(const Eigen::Vector3d& motion, const Eigen::Vector2d& step_m) {
+  const double c = std::cos(reading_.odom_from_base.yaw_rad + 0.5 * motion.z());
+  const double s = std::sin(reading_.odom_from_base.yaw_rad + 0.5 * motion.z());
+  Eigen::Matrix3d from_motion;              // d pose / d motion
+  from_motion << c, -s, -0.5 * step_m.y(),  //
+      s, c, 0.5 * step_m.x(),               //
+      0.0, 0.0, 1.0;
+  Eigen::Matrix<double, 3, 2> from_ratios;  // d motion / d (Ed, Eb)
+  from_ratios.setZero();
+  if (robot_.kind != BaseKind::kOmnidirectional) {
+    from_ratios(0, 0) = 0.25 * motion.z() * robot_.trackWidth_m();
+    from_ratios(2, 0) = motion.x() / robot_.trackWidth_m();
+  }
+  from_ratios(2, 1) = -motion.z();
   Eigen::Matrix<double, 5, 5> step = Eigen::Matrix<double, 5, 5>::Identity();
-  step(0, 2) = -chord_m * s;
-  step(1, 2) = chord_m * c;
+  step(0, 2) = -step_m.y();
+  step(1, 2) = step_m.x();
   step.block<3, 2>(0, 3) = from_motion * from_ratios;
   joint_covariance_ = (step * joint_covariance_ * step.transpose()).eval();
   joint_covariance_.topLeftCorner<3, 3>() +=
-      from_motion * slipVariance(distance_m, yaw_rad) * from_motion.transpose();
+      from_motion * slipVariance(motion) * from_motion.transpose();
   reading_.covariance = joint_covariance_.topLeftCorner<3, 3>();
 }
 

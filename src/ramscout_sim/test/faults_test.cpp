@@ -70,8 +70,8 @@ TEST(Faults, ADeadEncoderTurnsTheOdometryOnly) {
   Simulation simulation = robotOnFloor();
   simulation.inject(fault(FaultKind::kLeftEncoderDead, 100.0));
   const Drive result = drive(simulation, 2.0);
-  EXPECT_NEAR(result.odometry.wheel_angles_rad.left, 0.0, 1e-5);
-  EXPECT_GT(result.odometry.wheel_angles_rad.right, 5.0);
+  EXPECT_NEAR(result.odometry.wheel_angles_rad[0], 0.0, 1e-5);
+  EXPECT_GT(result.odometry.wheel_angles_rad[1], 5.0);
   EXPECT_NEAR(toPose2(simulation.groundTruth().world_from_base).yaw_rad, 0.0, 1e-6);
 }
 

@@ -229,6 +229,21 @@ TEST(RayCaster, FindsNothingWhereThereIsNothing) {
   EXPECT_THAT(empty.cast(std::vector<Ray>(17, Ray{{0, 0, 1}, {1, 0, 0}})), Each(kInfinity));
 }
 
+TEST(RayCaster, DirectionsAlongAnAxisButForRoundingMissNothing) {
+  const RayCaster caster(makeRoom(20.0, 10.0), InstructionSet::kAvx512);
+  for (const float tiny : {0.0F, -0.0F, 1e-19F, -1e-19F, -9e-20F, 6e-22F, -1e-39F}) {
+    std::vector<Ray> rays;
+    for (int i = -8; i < 8; ++i) {
+      const float bearing_rad = 0.004F * static_cast<float>(i);
+      rays.push_back({{10.2F, 5.0F, 0.37F}, {std::cos(bearing_rad), std::sin(bearing_rad), tiny}});
+    }
+    rays[8].direction.y() = -tiny;
+    EXPECT_NEAR(caster.cast(rays)[8], 9.8, 1e-5) << tiny;
+    for (Ray& ray : rays) ray.direction.z() = -ray.direction.y() * 1e-18F;
+    EXPECT_THAT(caster.cast(rays), Each(::testing::Le(9.9F))) << tiny;
+  }
+}
+
 TEST(Lidar, NoiseHasTheStatedDeviationAndNoBias) {
   LidarParameters p = perfect();
   p.range_sigma_m = 0.01;

@@ -50,10 +50,10 @@ TEST(RobotDescription, ReadsTheShippedRobot) {
   EXPECT_EQ(robot.name, "ramscout");
   EXPECT_EQ(robot.base_frame, "base_link");
   EXPECT_NEAR(robot.trackWidth_m(), 0.36, 1e-12);
-  EXPECT_EQ(robot.left.joint, "left_wheel_joint");
-  EXPECT_EQ(robot.right.joint, "right_wheel_joint");
-  EXPECT_NEAR(robot.left.radius_m, 0.1, 1e-12);
-  EXPECT_NEAR(robot.left.max_torque_nm, 5.0, 1e-12);
+  EXPECT_EQ(robot.wheels[0].joint, "left_wheel_joint");
+  EXPECT_EQ(robot.wheels[1].joint, "right_wheel_joint");
+  EXPECT_NEAR(robot.wheels[0].radius_m, 0.1, 1e-12);
+  EXPECT_NEAR(robot.wheels[0].max_torque_nm, 5.0, 1e-12);
   EXPECT_NEAR(robot.chassis.mass_kg, 20.0, 1e-12);
   EXPECT_TRUE(robot.chassis.center_in_base_m.isApprox(Eigen::Vector3d(0, 0, 0.15)));
   EXPECT_EQ(robot.casters.size(), 2U);

@@ -53,10 +53,10 @@ public:
       // The nominal wheels turn as commanded; the true robot moves as its true geometry makes it.
       const double left_rad = (leg.distance_m - 0.5 * kTrack_m * leg.yaw_rad) / kRadius_m / steps;
       const double right_rad = (leg.distance_m + 0.5 * kTrack_m * leg.yaw_rad) / kRadius_m / steps;
-      angles_.left += left_rad;
-      angles_.right += right_rad;
-      const double left_m = left_rad * robot_.left.radius_m;
-      const double right_m = right_rad * robot_.right.radius_m;
+      angles_[0] += left_rad;
+      angles_[1] += right_rad;
+      const double left_m = left_rad * robot_.wheels[0].radius_m;
+      const double right_m = right_rad * robot_.wheels[1].radius_m;
       const double yaw_rad = (right_m - left_m) / robot_.trackWidth_m();
       const double half = 0.5 * yaw_rad;
       truth_ = truth_ * Pose2{0.5 * (left_m + right_m) * std::cos(half),
@@ -79,7 +79,7 @@ private:
   RobotDescription robot_;
   WheelOdometry odometry_;
   Pose2 truth_;
-  WheelPair angles_;
+  WheelValues angles_ = {};
   std::int64_t stamp_ns_ = 0;
   OdometryReading reading_;
 };
@@ -124,10 +124,10 @@ TEST(WheelOdometry, CountsWholeTicksWithoutDrift) {
     const double turned_rad = 0.0137 * i;
     const OdometryReading reading =
         odometry.update(i * kPeriod_ns, {5.0 + turned_rad, 5.0 + turned_rad});
-    const double ticks = reading.wheel_angles_rad.left / tick_rad;
+    const double ticks = reading.wheel_angles_rad[0] / tick_rad;
     ASSERT_NEAR(ticks, std::round(ticks), 1e-6);
-    ASSERT_LE(std::abs(reading.wheel_angles_rad.left - turned_rad), 0.5 * tick_rad + 1e-9);
-    ASSERT_NEAR(reading.odom_from_base.x_m, kRadius_m * reading.wheel_angles_rad.left, 1e-9);
+    ASSERT_LE(std::abs(reading.wheel_angles_rad[0] - turned_rad), 0.5 * tick_rad + 1e-9);
+    ASSERT_NEAR(reading.odom_from_base.x_m, kRadius_m * reading.wheel_angles_rad[0], 1e-9);
   }
 }
 
@@ -139,7 +139,7 @@ TEST(WheelOdometry, TellsTheSpeedBetweenTwoReadings) {
   const OdometryReading reading = odometry.update(kPeriod_ns, {0.04, 0.06});
   EXPECT_NEAR(reading.twist.forward_mps, 0.5, 1e-3);
   EXPECT_NEAR(reading.twist.turn_radps, 0.1 * 0.02 / 0.36 / 0.01, 1e-3);
-  EXPECT_NEAR(reading.wheel_speeds_radps.right, 6.0, 1e-3);
+  EXPECT_NEAR(reading.wheel_speeds_radps[1], 6.0, 1e-3);
 }
 
 TEST(WheelOdometry, KeepsTheMeanDiameterAndAppliesBothRatios) {
@@ -147,8 +147,8 @@ TEST(WheelOdometry, KeepsTheMeanDiameterAndAppliesBothRatios) {
   parameters.wheel_diameter_ratio = 1.02;
   parameters.track_ratio = 0.95;
   const RobotDescription robot = withTrueGeometry(shippedRobot(), parameters);
-  EXPECT_NEAR(robot.right.radius_m / robot.left.radius_m, 1.02, 1e-12);
-  EXPECT_NEAR(robot.right.radius_m + robot.left.radius_m, 2.0 * kRadius_m, 1e-12);
+  EXPECT_NEAR(robot.wheels[1].radius_m / robot.wheels[0].radius_m, 1.02, 1e-12);
+  EXPECT_NEAR(robot.wheels[1].radius_m + robot.wheels[0].radius_m, 2.0 * kRadius_m, 1e-12);
   EXPECT_NEAR(robot.trackWidth_m(), 0.95 * kTrack_m, 1e-12);
 }
 
@@ -224,7 +224,7 @@ TEST(WheelOdometry, TheSpeedsCovarianceIsHonest) {
     const double forward_error = reading.twist.forward_mps - 0.5 * 0.1 * (7.31 + 9.13);
     const double turn_error = reading.twist.turn_radps - 0.1 * (9.13 - 7.31) / kTrack_m;
     forward += forward_error * forward_error / reading.twist_covariance(0, 0) / kCount;
-    turn += turn_error * turn_error / reading.twist_covariance(1, 1) / kCount;
+    turn += turn_error * turn_error / reading.twist_covariance(2, 2) / kCount;
   }
   EXPECT_NEAR(forward, 1.0, 0.1);
   EXPECT_NEAR(turn, 1.0, 0.1);

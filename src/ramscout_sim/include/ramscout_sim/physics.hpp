@@ -11,19 +11,24 @@
 
 namespace ramscout_sim {
 
-/// One number per driven wheel.
-struct WheelPair {
-  double left = 0.0;
-  double right = 0.0;
+/// What the motors shall do.
+struct WheelMotion {
+  WheelValues speeds_radps = {};
+  WheelValues steering_rad = {};  ///< about the vertical, counter-clockwise; 0 where none steers
 };
 
-/// The robot as rigid bodies on the floor, among the solids of a world (ODE).
+/// The robot as a rigid body with spinning wheels on the floor, among the solids of a world (ODE).
 ///
-/// Each wheel touches the floor in one point, friction acts along and across its rolling direction,
-/// and its limit follows the load of the step before (ODE by itself takes the load without
-/// friction, so that weight transfer would not reach the traction limit). Casters do not rub. The
-/// chassis collides with the solids. Results depend on the inputs only; there are no random
-/// numbers.
+/// Each wheel touches the floor in one point, friction acts along and across its rolling direction
+/// (omni wheels: only along), and its limit follows the load of the step before (ODE by itself
+/// takes the load without friction, so that weight transfer would not reach the traction limit).
+/// Casters do not rub. The chassis collides with the solids. Results depend on the inputs only;
+/// there are no random numbers.
+///
+/// The spin of a wheel is no body of its own. A motor that has torque enough makes the floor's
+/// point of contact pass at the wheel's speed; one at its limit gives a contact whose speed yields
+/// to the force as the wheel's inertia does. Either is one row of ODE's equations, exact for the
+/// step; which of the two holds is found by trying the one of the step before.
 class Physics {
 public:
   /// \throws std::invalid_argument if the robot starts inside a solid
@@ -32,10 +37,10 @@ public:
   Physics(Physics&&) noexcept;
   Physics& operator=(Physics&&) noexcept;
 
-  /// Advances by `duration_s`; the motors try to turn the wheels at `wheel_speeds_radps`, within
-  /// their torque. \throws std::runtime_error if the result is not finite; the simulation must not
-  /// go on then
-  void step(double duration_s, const WheelPair& wheel_speeds_radps);
+  /// Advances by `duration_s`; the motors try to turn the wheels as told, within their torque;
+  /// steering follows at once. \throws std::runtime_error if the result is not finite; the
+  /// simulation must not go on then
+  void step(double duration_s, const WheelMotion& motion);
 
   Eigen::Isometry3d worldFromBase() const;
   /// Of the base frame's origin, in world axes.
@@ -43,13 +48,17 @@ public:
   Eigen::Vector3d angularVelocity_radps() const;
 
   /// Turned so far; not wrapped.
-  WheelPair wheelAngles_rad() const;
-  WheelPair wheelSpeeds_radps() const;
+  WheelValues wheelAngles_rad() const;
+  WheelValues wheelSpeeds_radps() const;
   /// Upward force of the floor on each wheel in the last step.
-  WheelPair wheelLoads_n() const;
+  WheelValues wheelLoads_n() const;
 
   /// Whether the chassis touched a solid in the last step.
   bool touchesSolid() const;
+
+  /// Coulomb friction between wheels and floor from now on. \throws std::invalid_argument if it is
+  /// negative or not finite
+  void setFloorFriction(double friction);
 
   /// Puts the robot there, at rest; wheel angles stay.
   /// \throws std::invalid_argument if it is not finite or inside a solid; nothing changes then

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ramscout_sim/drive.hpp"
 #include "ramscout_sim/faults.hpp"
 #include "ramscout_sim/lidar.hpp"
 #include "ramscout_sim/physics.hpp"
@@ -19,19 +20,6 @@
 #include "ramscout_sim/world.hpp"
 
 namespace ramscout_sim {
-
-/// Limits of what the motors are told.
-struct DriveParameters {
-  double max_speed_mps = 1.5;
-  double max_turn_speed_radps = 3.0;
-  double max_acceleration_mps2 = 1.0;
-  double max_turn_acceleration_radps2 = 4.0;
-  /// A command older than this counts as zero.
-  double command_timeout_s = 0.5;
-
-  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
-};
 
 struct SimulationParameters {
   int seed = 1;
@@ -105,11 +93,11 @@ public:
 
 private:
   Twist2 wantedTwist();
-  WheelPair wheelCommand(double duration_s);
   void startFaults(Outputs& outputs);
   void push(double left_m);
   const Fault* activeFault(FaultKind kind) const;
-  WheelPair encoderAngles_rad();
+  WheelValues encoderAngles_rad();
+  OdometryReading readOdometry();
   void maskSector(Scan& scan) const;
   void rememberPose();
   std::optional<Scan> scanIfDue();
@@ -119,6 +107,8 @@ private:
   RayCaster ray_caster_;
   Physics physics_;
   WheelOdometry odometry_;
+  Drive drive_;
+  WheelMotion wheel_motion_;
   Lidar lidar_;
   std::optional<TourDriver> driver_;
   std::int64_t now_ns_ = kStart_ns;
@@ -129,12 +119,11 @@ private:
   std::int64_t commanded_at_ns_ = 0;
   Twist2 driven_;  // what the tour's driver last wanted
   std::int64_t next_drive_ns_ = 0;
-  Twist2 setpoint_;
   std::vector<Fault> waiting_faults_;
   std::vector<Fault> started_faults_;
-  WheelPair true_angles_rad_;
-  WheelPair encoder_error_rad_;  // what faults have made the encoders count too much
-  SensorPath recent_path_;       // back to the start of the scan that is under way
+  WheelValues true_angles_rad_ = {};
+  WheelValues encoder_error_rad_ = {};  // what faults have made the encoders count too much
+  SensorPath recent_path_;              // back to the start of the scan that is under way
 };
 
 }  // namespace ramscout_sim

@@ -16,9 +16,10 @@ namespace ramscout_sim {
 /// encoders add.
 struct OdometryParameters {
   /// True diameter of the right wheel over that of the left (Ed in Borenstein and Feng, 1996);
-  /// their mean is kept.
+  /// their mean is kept. Not for omni wheels.
   double wheel_diameter_ratio = 1.0005;
-  /// True track width over the nominal one (Eb there).
+  /// True track width over the nominal one (Eb there); for omni wheels their distance from the
+  /// base's centre.
   double track_ratio = 1.002;
   int ticks_per_turn = 4096;
   /// Random slip: standard deviation of distance and heading after one metre; both grow with the
@@ -50,13 +51,15 @@ struct OdometryReading {
   /// Of x, y, yaw [m, rad] in the odom frame, from random slip and the tolerances of wheel
   /// diameters and track, to first order.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  /// Of forward speed [m/s] and turn speed [rad/s], from random slip and ticks.
-  Eigen::Matrix2d twist_covariance = Eigen::Matrix2d::Zero();
-  WheelPair wheel_angles_rad;  ///< as counted
-  WheelPair wheel_speeds_radps;
+  /// Of speed forward and to the left [m/s] and turn speed [rad/s], from random slip and ticks.
+  Eigen::Matrix3d twist_covariance = Eigen::Matrix3d::Zero();
+  WheelValues wheel_angles_rad = {};  ///< as counted
+  WheelValues wheel_speeds_radps = {};
+  WheelValues steering_rad = {};  ///< as told by the base; WheelOdometry leaves it zero
 };
 
-/// Counts wheel turns in ticks and integrates them with the nominal geometry.
+/// Counts wheel turns in ticks and integrates them with the nominal geometry. Steered wheels are
+/// not counted on.
 class WheelOdometry {
 public:
   /// \param robot  the nominal robot
@@ -66,24 +69,27 @@ public:
                 std::uint64_t seed);
 
   /// The wheels' true angles at a later time. The first call sets the zero.
-  OdometryReading update(std::int64_t stamp_ns, const WheelPair& wheel_angles_rad);
+  OdometryReading update(std::int64_t stamp_ns, const WheelValues& wheel_angles_rad);
 
   /// Starts again at pose and covariance zero; the counted wheel angles stay.
   void reset();
 
 private:
-  void addSlip(const WheelPair& turned_rad);
-  void integrate(const WheelPair& counted_rad);
-  void growCovariance(double chord_m, double yaw_rad, double distance_m);
-  Eigen::Matrix2d slipVariance(double distance_m, double yaw_rad) const;
+  void addSlip(const WheelValues& turned_rad);
+  void measureTwist(const WheelValues& counted_rad, double elapsed_s);
+  void integrate(const Eigen::Vector3d& motion);
+  void growCovariance(const Eigen::Vector3d& motion, const Eigen::Vector2d& step_m);
+  Eigen::Vector3d motionOf(const WheelValues& turned_rad) const;
+  Eigen::Matrix3d slipVariance(const Eigen::Vector3d& motion) const;
 
   OdometryParameters parameters_;
   std::uint64_t seed_;
-  double wheel_radius_m_;
-  double track_width_m_;
+  RobotDescription robot_;  // nominal
+  Eigen::Matrix<double, Eigen::Dynamic, 3> rim_from_motion_;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> motion_from_rim_;
   std::uint64_t updates_ = 0;
-  WheelPair true_angles_rad_;
-  WheelPair slipped_rad_;  // wheel angle that moved nothing, or the ground that moved no wheel
+  WheelValues true_angles_rad_ = {};
+  WheelValues slipped_rad_ = {};  // wheel angle that moved nothing, or ground that moved no wheel
   OdometryReading reading_;
   // Covariance of x, y, yaw, and of the two ratios that stay as they are for a whole run.
   Eigen::Matrix<double, 5, 5> joint_covariance_ = Eigen::Matrix<double, 5, 5>::Zero();

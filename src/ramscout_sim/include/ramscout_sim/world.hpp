@@ -90,6 +90,8 @@ struct World {
   Pose2 start;
   /// Coulomb friction between wheels and floor.
   double floor_friction = 0.8;
+  /// Tilted, it makes the floor an even slope.
+  Eigen::Vector3d gravity_mps2 = {0.0, 0.0, -9.81};
 };
 
 /// A box that stands on the floor. `thickness_m` is centred on the line between the two ends.

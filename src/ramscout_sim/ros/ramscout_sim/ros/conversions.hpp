@@ -30,7 +30,7 @@ nav_msgs::Odometry toMessage(const ramscout_sim::GroundTruth& truth, const std::
 /// The transform odom -> base of the same reading.
 geometry_msgs::TransformStamped toTransform(const nav_msgs::Odometry& odometry);
 
-/// Left and right wheel.
+/// All wheels and what steers them.
 sensor_msgs::JointState toJointState(const ramscout_sim::OdometryReading& reading,
                                      const ramscout_sim::RobotDescription& robot);
 
