@@ -219,21 +219,24 @@ void Lidar::toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) c
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   // Adding it leaves no bit for fractions: what comes out is rounded to a whole number.
   constexpr double kRounder = 0x1.8p52;
-  const LidarParameters& p = parameters_;
+  const LidarParameters p = parameters_;  // a copy: the compiler then makes vector code
+  const double bias_m = range_bias_m_;
+  float* const ranges = ranges_m.data();
   const std::vector<float> noise =
       gaussians(Random(seed_, Stream::kRange, scan_index), ranges_m.size());
   const double steps_per_m = p.range_resolution_m > 0.0 ? 1.0 / p.range_resolution_m : 0.0;
-  for (std::size_t beam = 0; beam < ranges_m.size(); ++beam) {
-    const double true_m = std::min(static_cast<double>(ranges_m[beam]), p.range_max_m);
+  const std::size_t count = ranges_m.size();
+  for (std::size_t beam = 0; beam < count; ++beam) {
+    const double true_m = std::min(static_cast<double>(ranges[beam]), p.range_max_m);
     const double far_sigma_m = true_m >= p.far_range_m ? p.far_range_sigma_m : 0.0;
     const double sigma_m =
         std::max(std::max(p.range_sigma_m, p.range_sigma_per_m * true_m), far_sigma_m);
-    const double range_m = true_m + sigma_m * noise[beam] + range_bias_m_;
+    const double range_m = true_m + sigma_m * noise[beam] + bias_m;
     const double rounded_m = (range_m * steps_per_m + kRounder - kRounder) * p.range_resolution_m;
     const double reading_m = steps_per_m > 0.0 ? rounded_m : range_m;
     const double low_m = reading_m < p.range_min_m ? -kInfinity : reading_m;
     const double high_m = low_m > p.range_max_m ? kInfinity : low_m;
-    ranges_m[beam] = static_cast<float>(ranges_m[beam] > p.range_max_m ? kInfinity : high_m);
+    ranges[beam] = static_cast<float>(ranges[beam] > p.range_max_m ? kInfinity : high_m);
   }
 }
 
