@@ -97,7 +97,7 @@ SimulatorNode::SimulatorNode(ram_parameters::ParameterReader& reader)
 
 SimulatorNode::~SimulatorNode() {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<FairMutex> lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
@@ -137,7 +137,7 @@ void SimulatorNode::advertise() {
 
 /// Returns false when the node stops.
 bool SimulatorNode::waitUntilRunning() {
-  std::unique_lock<std::mutex> lock(mutex_);
+  std::unique_lock<FairMutex> lock(mutex_);
   while (!stopping_ && ros::ok() && paused_ && simulation_.now_ns() >= step_until_ns_) {
     wake_.notify_all();
     wake_.wait_for(lock, std::chrono::milliseconds(50));
@@ -148,13 +148,13 @@ bool SimulatorNode::waitUntilRunning() {
 void SimulatorNode::run() {
   lock_step_.waitForStart(scan_);
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<FairMutex> lock(mutex_);
     restartPace();
   }
   while (waitUntilRunning()) {
     ramscout_sim::Outputs outputs;
     {
-      const std::lock_guard<std::mutex> lock(mutex_);
+      const std::lock_guard<FairMutex> lock(mutex_);
       outputs = simulation_.step();
       lock_step_.setNow(toRosTime(simulation_.now_ns()));
       publishClock();
@@ -220,7 +220,7 @@ void SimulatorNode::keepPace() {
   constexpr double kLate_s = 0.1;
   double ahead_s = 0.0;
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<FairMutex> lock(mutex_);
     if (real_time_factor_ == 0.0) return;
     const double simulated_s = static_cast<double>(simulation_.now_ns() - pace_start_ns_) * 1e-9;
     ahead_s = simulated_s / real_time_factor_ - (ros::SteadyTime::now() - pace_wall_start_).toSec();
@@ -237,7 +237,7 @@ void SimulatorNode::onCommand(const geometry_msgs::Twist& message) {
         "cmd_vel asks for a motion that two wheels cannot do; only linear.x and angular.z count");
   }
   try {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<FairMutex> lock(mutex_);
     simulation_.command({message.linear.x, 0.0, message.angular.z});
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(1.0, "cmd_vel: " << error.what());
@@ -253,7 +253,7 @@ bool SimulatorNode::onInjectFault(ramscout_sim::InjectFault::Request& request,
     fault.amount = request.amount;
     fault.angle_min_rad = request.angle_min;
     fault.angle_max_rad = request.angle_max;
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<FairMutex> lock(mutex_);
     simulation_.inject(fault);
     response.success = true;
   } catch (const std::exception& error) {
@@ -264,7 +264,7 @@ bool SimulatorNode::onInjectFault(ramscout_sim::InjectFault::Request& request,
 
 bool SimulatorNode::onPause(std_srvs::SetBool::Request& request,
                             std_srvs::SetBool::Response& response) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<FairMutex> lock(mutex_);
   paused_ = request.data;
   step_until_ns_ = 0;
   restartPace();
@@ -274,7 +274,7 @@ bool SimulatorNode::onPause(std_srvs::SetBool::Request& request,
 }
 
 bool SimulatorNode::onReset(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<FairMutex> lock(mutex_);
   simulation_ = makeSimulation();
   lock_step_.reset();
   next_clock_ns_ = 0;
@@ -287,7 +287,7 @@ bool SimulatorNode::onReset(std_srvs::Empty::Request&, std_srvs::Empty::Response
 bool SimulatorNode::onSetPose(ramscout_sim::SetPose::Request& request,
                               ramscout_sim::SetPose::Response& response) {
   try {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<FairMutex> lock(mutex_);
     simulation_.setPose({request.pose.x, request.pose.y, request.pose.theta});
     response.success = true;
   } catch (const std::exception& error) {
@@ -304,7 +304,7 @@ bool SimulatorNode::onSetRate(ramscout_sim::SetRate::Request& request,
         "real_time_factor must be in [0, 1000], got " + std::to_string(request.real_time_factor);
     return true;
   }
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<FairMutex> lock(mutex_);
   real_time_factor_ = request.real_time_factor;
   restartPace();
   return true;
@@ -312,7 +312,7 @@ bool SimulatorNode::onSetRate(ramscout_sim::SetRate::Request& request,
 
 bool SimulatorNode::onStep(ramscout_sim::Step::Request& request,
                            ramscout_sim::Step::Response& response) {
-  std::unique_lock<std::mutex> lock(mutex_);
+  std::unique_lock<FairMutex> lock(mutex_);
   response.now = toRosTime(simulation_.now_ns());
   if (!(request.duration > 0.0 && request.duration <= kMaxStep_s)) {
     response.message = "duration must be in (0, 3600] s, got " + std::to_string(request.duration);

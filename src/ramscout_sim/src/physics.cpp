@@ -22,6 +22,9 @@ constexpr double kWheelSoftness = 1e-6;
 constexpr double kCasterSoftness = 1e-5;
 constexpr double kSolidSoftness = 1e-5;
 constexpr double kFrictionSoftness = 1e-9;  // two wheels on one axle resist the same motion
+// ODE's solver gives up (and says so) if two wheels reach their friction limits at the very same
+// moment, as those of a symmetric robot do: each wheel has a little more than the one before.
+constexpr double kTieBreaker = 1e-6;
 constexpr double kSolidFriction = 0.3;
 constexpr double kMaxCorrectingSpeed_mps = 0.1;
 constexpr int kContactsPerPair = 3;
@@ -37,6 +40,7 @@ struct WheelState {
   Wheel description;
   Eigen::Vector3d center_in_body_m = Eigen::Vector3d::Zero();
   double inertia_kgm2 = 0.0;  // about the axle
+  double friction_share = 1.0;
   double steering_rad = 0.0;
   double angle_rad = 0.0;
   double speed_radps = 0.0;
@@ -199,6 +203,7 @@ private:
     wheel.center_in_body_m = description.center_in_base_m - whole_.center_in_base_m;
     wheel.inertia_kgm2 =
         description.axle_in_base.dot(description.mass.inertia_kgm2 * description.axle_in_base);
+    wheel.friction_share = 1.0 + kTieBreaker * static_cast<double>(wheels_.size());
     if (description.max_torque_nm == 0.0) wheel.fixed_torque_nm = 0.0;
     wheels_.push_back(wheel);
   }
@@ -267,7 +272,7 @@ private:
     for (int i = 0; i < 3; ++i) wheel.contact.fdir1[i] = wheel.rolling[i];
     dSurfaceParameters& surface = wheel.contact.surface;
     surface.mode = dContactMu2 | dContactFDir1 | dContactMotion1 | dContactSlip1 | dContactSoftCFM;
-    surface.mu = floor_friction_ * wheel.load_n;
+    surface.mu = floor_friction_ * wheel.load_n * wheel.friction_share;
     surface.mu2 = wheel.description.omni ? 0.0 : surface.mu;
     surface.soft_cfm = kWheelSoftness;
   }

@@ -114,6 +114,17 @@ class SimulatorNode(unittest.TestCase):
         self.wait_for(lambda: abs(self.latest["ground_truth"].pose.pose.position.x - 2.0) < 1e-3, "not teleported")
         self.assertLess(abs(self.latest["odom"].pose.pose.position.x), 1e-3)
 
+    def test_services_are_answered_at_once_at_full_speed(self):
+        self.call["set_rate"](0.0)
+        self.wait_for(lambda: len(self.scan_stamps) > 50, "it does not run")
+        durations = []
+        for _ in range(50):
+            begin = time.time()
+            self.assertTrue(self.call["set_rate"](0.0).success)
+            durations.append(time.time() - begin)
+        # With a mutex that the simulation takes again before others see it free, seconds.
+        self.assertLess(sorted(durations)[45], 0.2)
+
     def test_reset_starts_again(self):
         self.pause()
         self.assertTrue(self.call["step"](1.0).success)

@@ -18,6 +18,7 @@
 #include "ramscout_sim/SetPose.h"
 #include "ramscout_sim/SetRate.h"
 #include "ramscout_sim/Step.h"
+#include "ramscout_sim/ros/fair_mutex.hpp"
 #include "ramscout_sim/ros/lock_step.hpp"
 #include "ramscout_sim/simulation.hpp"
 
@@ -82,8 +83,8 @@ private:
   std::optional<ramscout_sim::Tour> tour_;
 
   // What the simulation's thread shares with the callbacks.
-  std::mutex mutex_;
-  std::condition_variable wake_;
+  FairMutex mutex_;
+  std::condition_variable_any wake_;
   ramscout_sim::Simulation simulation_;
   bool paused_ = false;
   bool stopping_ = false;
