@@ -29,8 +29,7 @@ public:
       : observations_(observations),
         landmarks_(landmarks),
         parameters_(parameters),
-        log_unknown_density_(std::log(parameters.unknown_feature_density)),
-        is_near_(observations.size(), false) {
+        log_unknown_density_(std::log(parameters.unknown_feature_density)) {
     evidence_.map_from_base = map_from_base;
     evidence_.associations.resize(observations.size());
   }
@@ -44,10 +43,29 @@ public:
     return !candidates_.empty();
   }
 
+  /// Decides by chance, in proportion to their likelihoods, between the alternatives of each
+  /// feature left over.
+  void guess(Random& random) {
+    for (std::size_t i = 0; i < observations_.size(); ++i) {
+      if (evidence_.associations[i].verdict == Verdict::kMatched) continue;
+      candidates_.clear();
+      findCandidates(i);
+      double sum = 1.0;
+      for (Candidate& candidate : candidates_) sum += std::exp(candidate.score);
+      double place = random.uniform() * sum;
+      for (const Candidate& candidate : candidates_) {
+        place -= std::exp(candidate.score);
+        if (place < 0.0) {
+          use(candidate);
+          break;
+        }
+      }
+    }
+  }
+
   Evidence finish() {
     for (std::size_t i = 0; i < observations_.size(); ++i) {
-      if (evidence_.associations[i].verdict != Verdict::kMatched && !is_near_[i] &&
-          standsAlone(i)) {
+      if (evidence_.associations[i].verdict != Verdict::kMatched && standsAlone(i)) {
         evidence_.associations[i].verdict = Verdict::kNew;
       }
     }
@@ -60,18 +78,18 @@ private:
   void findCandidates() {
     candidates_.clear();
     for (std::size_t i = 0; i < observations_.size(); ++i) {
-      if (evidence_.associations[i].verdict == Verdict::kMatched) continue;
-      is_near_[i] = false;
-      for (const Prospect& prospect : observations_[i].prospects) {
-        const Landmark* landmark = landmarks_.find(prospect.id);
-        if (landmark == nullptr || isMatched(evidence_.associations, prospect.id)) continue;
-        const Innovation found =
-            innovation(evidence_.map_from_base, *landmark, observations_[i].measured);
-        const double squared_mahalanobis = found.squaredMahalanobis();
-        if (squared_mahalanobis < parameters_.creation_gate) is_near_[i] = true;
-        if (!(squared_mahalanobis < parameters_.association_gate)) continue;
-        candidates_.push_back({i, prospect.id, score(found, prospect)});
-      }
+      if (evidence_.associations[i].verdict != Verdict::kMatched) findCandidates(i);
+    }
+  }
+
+  void findCandidates(std::size_t i) {
+    for (const Prospect& prospect : observations_[i].prospects) {
+      const Landmark* landmark = landmarks_.find(prospect.id);
+      if (landmark == nullptr || isMatched(evidence_.associations, prospect.id)) continue;
+      const Innovation found =
+          innovation(evidence_.map_from_base, *landmark, observations_[i].measured);
+      if (!(found.squaredMahalanobis() < parameters_.association_gate)) continue;
+      candidates_.push_back({i, prospect.id, score(found, prospect)});
     }
   }
 
@@ -107,33 +125,45 @@ private:
     for (const Prospect& prospect : observations_[i].prospects) {
       const Landmark* landmark = landmarks_.find(prospect.id);
       if (landmark == nullptr) continue;
-      if ((landmark->mean_m - place_m).norm() >= parameters_.minimum_feature_separation) continue;
-      if (!isMatched(evidence_.associations, prospect.id)) return false;
-      const Innovation apart = innovation(evidence_.map_from_base.pose, *landmark, measured);
-      if (apart.squaredMahalanobis() < parameters_.creation_gate) return false;
+      const auto match = std::find_if(evidence_.associations.begin(), evidence_.associations.end(),
+                                      [&prospect](const Association& association) {
+                                        return association.verdict == Verdict::kMatched &&
+                                               association.id == prospect.id;
+                                      });
+      if (match == evidence_.associations.end()) {
+        if ((landmark->mean_m - place_m).norm() < parameters_.minimum_feature_separation)
+          return false;
+        const Innovation apart = innovation(evidence_.map_from_base, *landmark, measured);
+        if (apart.squaredMahalanobis() < parameters_.creation_gate) return false;
+        continue;
+      }
+      const auto j = static_cast<std::size_t>(match - evidence_.associations.begin());
+      if (maybeSame(i, j)) return false;
     }
     return !isDuplicate(i);
   }
 
   /// Whether an earlier new feature of the same reading may be the same thing.
   bool isDuplicate(std::size_t i) const {
-    const PointMeasurement& measured = observations_[i].measured;
     for (std::size_t j = 0; j < i; ++j) {
       if (evidence_.associations[j].verdict != Verdict::kNew) continue;
-      if (observations_[j].type != observations_[i].type) continue;
-      const PointMeasurement& other = observations_[j].measured;
-      const Landmark there{other.position_m, other.covariance_m2};
-      if (innovation(Pose2{}, there, measured).squaredMahalanobis() < parameters_.creation_gate)
-        return true;
+      if (observations_[j].type == observations_[i].type && maybeSame(i, j)) return true;
     }
     return false;
+  }
+
+  /// Whether two features of one reading may show the same thing; the pose does not matter.
+  bool maybeSame(std::size_t i, std::size_t j) const {
+    const PointMeasurement& other = observations_[j].measured;
+    const Landmark there{other.position_m, other.covariance_m2};
+    return innovation(Pose2{}, there, observations_[i].measured).squaredMahalanobis() <
+           parameters_.duplicate_gate;
   }
 
   const std::vector<Observation>& observations_;
   const LandmarkTree& landmarks_;
   const FastSlamParameters& parameters_;
   double log_unknown_density_;
-  std::vector<bool> is_near_;
   std::vector<Candidate> candidates_;
   Evidence evidence_;
 };
@@ -143,10 +173,12 @@ private:
 Evidence associate(const std::vector<Observation>& observations,
                    const LandmarkTree& landmarks,
                    const PoseWithCovariance2& map_from_base,
-                   const FastSlamParameters& parameters) {
+                   const FastSlamParameters& parameters,
+                   Random random) {
   Associator associator(observations, landmarks, map_from_base, parameters);
-  for (int i = 0; i < kPasses && associator.pass(); ++i) {
-  }
+  bool left = true;
+  for (int i = 0; i < kPasses && left; ++i) left = associator.pass();
+  if (left) associator.guess(random);
   return associator.finish();
 }
 

@@ -206,14 +206,17 @@ std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observatio
   std::vector<Evidence> evidence;
   evidence.reserve(particles_.size());
   std::vector<double> log_weights;
-  for (Particle& particle : particles_) {
+  for (std::size_t i = 0; i < particles_.size(); ++i) {
+    Particle& particle = particles_[i];
     evidence.push_back(
-        version2 ? associate(observations, particle.landmarks, particle.proposal, parameters_)
+        version2 ? associate(observations, particle.landmarks, particle.proposal, parameters_,
+                             Random(parameters_.seed, update_count_, 3 * particles_.size() + i))
                  : associateByDistance(observations, particle.landmarks, particle.proposal.pose,
                                        parameters_));
     particle.proposal = evidence.back().map_from_base;
     particle.path.append({stamp_ns_, particle.proposal.pose});
-    log_weights.push_back(particle.log_weight + evidence.back().log_likelihood_ratio);
+    log_weights.push_back(particle.log_weight +
+                          parameters_.evidence_exponent * evidence.back().log_likelihood_ratio);
   }
   const std::vector<double> weights = normalisedWeights(log_weights);
   updateEstimate(weights);
@@ -225,7 +228,7 @@ std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observatio
 void FastSlam::drawPoses(const std::vector<Evidence>& evidence) {
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     Particle& particle = particles_[i];
-    particle.log_weight += evidence[i].log_likelihood_ratio;
+    particle.log_weight += parameters_.evidence_exponent * evidence[i].log_likelihood_ratio;
     particle.map_from_base = draw(particle.proposal, Random(parameters_.seed, update_count_, i));
     particle.path.append({stamp_ns_, particle.map_from_base});
   }
@@ -341,6 +344,7 @@ void FastSlam::refreshBounds(LandmarkRecord& record) const {
 }
 
 void FastSlam::rate(const Evidence& evidence) {
+  associations_ = evidence.associations;
   quality_.matched_count = quality_.new_count = quality_.ignored_count = 0;
   for (const Association& association : evidence.associations) {
     if (association.verdict == Verdict::kMatched) ++quality_.matched_count;

@@ -61,9 +61,12 @@ void FastSlamParameters::validate() const {
   requireWithin("seed", seed, 0, std::numeric_limits<int>::max());
   requirePositive("association_gate", association_gate);
   requireWithin("creation_gate", creation_gate, association_gate, kInfinity);
+  requireWithin("duplicate_gate", duplicate_gate, 0.0, kInfinity);
   requireWithin("ambiguity_margin", ambiguity_margin, 0.0, kInfinity);
   requirePositive("unknown_feature_density", unknown_feature_density);
   requireWithin("feature_noise_floor", feature_noise_floor, 0.0, kInfinity);
+  require(0.0 < evidence_exponent && evidence_exponent <= 1.0, "evidence_exponent",
+          evidence_exponent, "in (0, 1]");
   requireWithin("resample_threshold", resample_threshold, 0.0, 1.0);
   require(0.0 < detection_probability && detection_probability < 1.0, "detection_probability",
           detection_probability, "in (0, 1)");
@@ -89,9 +92,11 @@ FastSlamParameters readFastSlamParameters(ram_parameters::ParameterReader& reade
   reader.read("seed", parameters.seed);
   reader.read("association_gate", parameters.association_gate);
   reader.read("creation_gate", parameters.creation_gate);
+  reader.read("duplicate_gate", parameters.duplicate_gate);
   reader.read("ambiguity_margin", parameters.ambiguity_margin);
   reader.read("unknown_feature_density", parameters.unknown_feature_density);
   reader.read("feature_noise_floor", parameters.feature_noise_floor);
+  reader.read("evidence_exponent", parameters.evidence_exponent);
   reader.read("resample_threshold", parameters.resample_threshold);
   reader.read("detection_probability", parameters.detection_probability);
   reader.read("false_detection_probability", parameters.false_detection_probability);

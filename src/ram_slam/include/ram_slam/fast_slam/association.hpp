@@ -7,6 +7,7 @@
 #include "ram_slam/fast_slam/landmark.hpp"
 #include "ram_slam/fast_slam/landmark_tree.hpp"
 #include "ram_slam/fast_slam/parameters.hpp"
+#include "ram_slam/random.hpp"
 
 namespace ram_slam {
 
@@ -49,13 +50,16 @@ struct Evidence {
 
 /// FastSLAM 2.0: associates by position (Mahalanobis distance within the gate) and classifier, each
 /// landmark at most once, and corrects the pose by one confirmed landmark after the other, the
-/// surest first. What was uncertain is looked at again from the corrected pose. (Montemerlo et al.,
-/// IJCAI 2003; the weight is the product of the innovations' densities, each over the density of
-/// unknown features.)
+/// surest first. What was uncertain is looked at again from the corrected pose; what stays
+/// uncertain is drawn by lot in proportion to the likelihoods, so that particles come to differ and
+/// later readings choose among them. (Montemerlo et al., IJCAI 2003; the weight is the product of
+/// the innovations' densities, each over the density of unknown features.) \param random  for this
+/// particle and reading alone
 Evidence associate(const std::vector<Observation>& observations,
                    const LandmarkTree& landmarks,
                    const PoseWithCovariance2& map_from_base,
-                   const FastSlamParameters& parameters);
+                   const FastSlamParameters& parameters,
+                   Random random);
 
 /// FastSLAM 1.0 as the source describes it: the nearest landmark is matched below
 /// `feature_match_distance`, the feature is new beyond `minimum_feature_separation`, and ignored

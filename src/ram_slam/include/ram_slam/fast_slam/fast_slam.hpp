@@ -69,6 +69,8 @@ public:
   const std::vector<Particle>& particles() const { return particles_; }
   const Particle& best() const { return particles_[best_]; }
   const FastSlamQuality& quality() const { return quality_; }
+  /// What the best particle took the features of the last list for, one each.
+  const std::vector<Association>& associations() const { return associations_; }
 
   /// The robot is there, whatever the filter thought; the best particle's map is kept.
   /// \throws std::invalid_argument if the pose is not finite or the covariance not symmetric
@@ -129,6 +131,7 @@ private:
   std::size_t best_ = 0;
   PoseWithCovariance2 estimate_;
   FastSlamQuality quality_;
+  std::vector<Association> associations_;
   std::int64_t stamp_ns_ = 0;
   std::uint64_t update_count_ = 0;
   std::int64_t learned_ns_ = 0;         ///< when poses were drawn and maps updated last

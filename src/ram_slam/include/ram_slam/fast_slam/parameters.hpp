@@ -31,13 +31,17 @@ struct FastSlamParameters {
 
   double association_gate =
       9.21;  ///< bound of the squared Mahalanobis distance; 99 % of chi2 with 2 dof
-  double creation_gate = 25.0;  ///< likewise: nearer to a landmark than this nothing is new
+  double creation_gate = 25.0;   ///< likewise: nearer to a landmark than this nothing is new
+  double duplicate_gate = 9.21;  ///< two features of one reading nearer to each other (squared
+                                 ///< Mahalanobis distance) may show the same thing
   double ambiguity_margin =
       1.0;  ///< [nat] a pairing that beats its alternatives by less is not used
   double unknown_feature_density =
       0.05;                           ///< [1/m^2] of features that belong to no landmark of the map
   double feature_noise_floor = 0.03;  ///< [m] added in quadrature to what the detector states
-  double resample_threshold = 0.5;    ///< resample below this fraction of effective particles
+  double evidence_exponent = 1.0;   ///< of the weights: < 1 where errors of successive readings are
+                                    ///< alike, so that they count for less
+  double resample_threshold = 0.5;  ///< resample below this fraction of effective particles
 
   double detection_probability = 0.5;         ///< that a landmark in view is found in one reading
   double false_detection_probability = 0.05;  ///< that something is found where no landmark is

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/fast_slam/association.hpp"
+
+#include <map>
+
+#include <gmock/gmock.h>
+
+namespace ram_slam {
+namespace {
+
+constexpr double kVariance_m2 = 1e-4;
+
+LandmarkTree treeOf(const std::vector<Eigen::Vector2d>& places_m) {
+  LandmarkTree tree;
+  for (LandmarkId id = 0; id < places_m.size(); ++id) {
+    tree.set(id, {places_m[id], kVariance_m2 * Eigen::Matrix2d::Identity()});
+  }
+  return tree;
+}
+
+/// Features that may show any of the landmarks, all of them confirmed.
+std::vector<Observation> observationsOf(const std::vector<Eigen::Vector2d>& places_m,
+                                        std::size_t landmarks) {
+  std::vector<Observation> observations;
+  for (const Eigen::Vector2d& place_m : places_m) {
+    observations.push_back({"pole", {place_m, kVariance_m2 * Eigen::Matrix2d::Identity()}, {}});
+    for (LandmarkId id = 0; id < landmarks; ++id)
+      observations.back().prospects.push_back({id, true, 0.0});
+  }
+  return observations;
+}
+
+std::map<LandmarkId, int> matchesOf(const Eigen::Vector2d& feature_m, int draws) {
+  const std::vector<Eigen::Vector2d> landmarks_m = {{2.0, 0.02}, {2.0, -0.02}};
+  std::map<LandmarkId, int> counts;
+  for (int i = 0; i < draws; ++i) {
+    const Evidence evidence = associate(observationsOf({feature_m}, 2), treeOf(landmarks_m), {},
+                                        FastSlamParameters{}, Random(1, i));
+    if (evidence.associations[0].verdict == Verdict::kMatched)
+      ++counts[evidence.associations[0].id];
+  }
+  return counts;
+}
+
+TEST(Associate, UndecidedPairsAreDrawnAsOftenAsTheyAreLikely) {
+  constexpr int kDraws = 2000;
+  // ln(L0 / L1) of a feature 2.5 mm off the middle of landmarks 40 mm apart; S = 2 kVariance_m2.
+  const double log_ratio = 2.0 * 0.0025 * 0.02 / (2.0 * kVariance_m2);
+  const double wanted = kDraws / (1.0 + std::exp(-log_ratio));
+  std::map<LandmarkId, int> counts = matchesOf({2.0, 0.0025}, kDraws);
+  EXPECT_NEAR(counts[0], wanted, 4.0 * std::sqrt(0.25 * kDraws));
+  EXPECT_GT(counts[0] + counts[1], 0.99 * kDraws);
+}
+
+TEST(Associate, SurePairsAreNotLeftToChance) {
+  EXPECT_THAT(matchesOf({2.0, 0.02}, 100), testing::ElementsAre(testing::Pair(0, 100)));
+}
+
+TEST(Associate, EachLandmarkIsMatchedOnceAndTheOtherFeatureIsNew) {
+  const std::vector<Eigen::Vector2d> features_m = {{2.0, 0.0}, {2.0, 0.15}};
+  const Evidence evidence = associate(observationsOf(features_m, 1), treeOf({{2.0, 0.01}}), {},
+                                      FastSlamParameters{}, Random(1));
+  EXPECT_EQ(evidence.associations[0].verdict, Verdict::kMatched);
+  EXPECT_EQ(evidence.associations[1].verdict, Verdict::kNew);
+}
+
+TEST(Associate, OneThingFoundTwiceIsNotTwoLandmarks) {
+  const std::vector<Eigen::Vector2d> features_m = {{2.0, 0.0}, {2.0, 0.03}};
+  const auto observations = observationsOf(features_m, 1);
+  FastSlamParameters parameters;
+  EXPECT_EQ(associate(observations, treeOf({{2.0, 0.0}}), {}, parameters, Random(1))
+                .associations[1]
+                .verdict,
+            Verdict::kIgnored);
+  parameters.duplicate_gate = 0.0;  // a detector that never does that
+  EXPECT_EQ(associate(observations, treeOf({{2.0, 0.0}}), {}, parameters, Random(1))
+                .associations[1]
+                .verdict,
+            Verdict::kNew);
+}
+
+}  // namespace
+}  // namespace ram_slam
