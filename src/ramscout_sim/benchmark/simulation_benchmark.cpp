@@ -120,6 +120,7 @@ void simulateOneSecond(benchmark::State& state) {
   const Office building = office(2);
   SimulationParameters parameters;
   parameters.physics_rate_hz = static_cast<double>(state.range(0));
+  parameters.instruction_set = state.range(1) == 512 ? "avx512" : "avx2";
   Simulation simulation(parameters, robot(), building.world, building.tour);
   for (auto _ : state) {
     const std::int64_t end_ns = simulation.now_ns() + 1'000'000'000;
@@ -127,7 +128,54 @@ void simulateOneSecond(benchmark::State& state) {
   }
   state.SetItemsProcessed(state.iterations());
 }
-BENCHMARK(simulateOneSecond)->Arg(1000)->Arg(400)->Unit(benchmark::kMillisecond)->MinTime(2.0);
+BENCHMARK(simulateOneSecond)
+    ->ArgsProduct({{1000, 400}, {2, 512}})
+    ->ArgNames({"hz", "avx"})
+    ->Unit(benchmark::kMillisecond);
+
+/// The same at 1 kHz in buildings of growing size.
+void simulateBuilding(benchmark::State& state) {
+  const Office building = office(static_cast<int>(state.range(0)));
+  Simulation simulation({}, robot(), building.world, building.tour);
+  for (auto _ : state) {
+    const std::int64_t end_ns = simulation.now_ns() + 1'000'000'000;
+    while (simulation.now_ns() < end_ns) benchmark::DoNotOptimize(simulation.step());
+  }
+  state.SetItemsProcessed(state.iterations());
+  const Eigen::AlignedBox3d bounds = boundsOf(building.world);
+  state.counters["solids"] = static_cast<double>(building.world.solids.size());
+  state.counters["area_m2"] = bounds.sizes().x() * bounds.sizes().y();
+}
+BENCHMARK(simulateBuilding)
+    ->Arg(1)
+    ->Arg(4)
+    ->Arg(16)
+    ->ArgName("blocks")
+    ->Unit(benchmark::kMillisecond);
+
+/// Against a wall at full speed, back and on at another angle.
+void ramWalls(benchmark::State& state) {
+  World room;
+  room.solids = {makeWall({0, 0}, {6, 0}, 0.2, 2.5), makeWall({6, 0}, {6, 4}, 0.2, 2.5),
+                 makeWall({6, 4}, {0, 4}, 0.2, 2.5), makeWall({0, 4}, {0, 0}, 0.2, 2.5)};
+  room.start = {3.0, 2.0, 0.3};
+  SimulationParameters parameters;
+  Simulation simulation(parameters, robot(), room, std::nullopt);
+  std::int64_t touching = 0;
+  std::int64_t steps = 0;
+  for (auto _ : state) {
+    for (int i = 0; i < 1000; ++i, ++steps) {
+      const std::int64_t phase = steps / 2500;
+      simulation.command(
+          {phase % 5 == 4 ? -1.5 : 1.5, 0.0, 0.4 * static_cast<double>(phase % 3 - 1)});
+      benchmark::DoNotOptimize(simulation.step());
+      touching += simulation.inCollision() ? 1 : 0;
+    }
+  }
+  state.SetItemsProcessed(state.iterations());
+  state.counters["touching"] = static_cast<double>(touching) / static_cast<double>(steps);
+}
+BENCHMARK(ramWalls)->Unit(benchmark::kMillisecond);
 
 void loadWorld(benchmark::State& state) {
   for (auto _ : state) {

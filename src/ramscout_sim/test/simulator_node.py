@@ -133,6 +133,26 @@ class SimulatorNode(unittest.TestCase):
         self.assertTrue(response.success, response.message)
         self.assertAlmostEqual(response.now.to_sec(), 1.2, places=6)
 
+    def test_reset_repeats_every_byte(self):
+        runs = []
+        for _ in range(2):
+            self.pause()
+            self.call["reset"]()
+            received = []
+            subscriber = rospy.Subscriber("scan", rospy.AnyMsg, lambda message: received.append(message._buff[4:]),
+                                          queue_size=100, tcp_nodelay=True)  # without the sequence number
+            while subscriber.get_num_connections() == 0:
+                time.sleep(0.01)
+            time.sleep(0.3)
+            self.assertTrue(self.call["step"](1.0).success)
+            deadline = time.time() + PATIENCE_S
+            while len(received) < 39 and time.time() < deadline:
+                time.sleep(0.01)
+            subscriber.unregister()
+            runs.append(received[:39])
+        self.assertEqual(len(runs[0]), 39)
+        self.assertEqual(runs[0], runs[1])
+
     def test_without_an_answer_the_clock_waits_even_after_a_reset(self):
         self.wait_for(lambda: self.latest["/clock"].clock.to_sec() > 3.0, "the clock does not run")
         type(self).answers = False
