@@ -5,141 +5,20 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
+#include <optional>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 #include <embree3/rtcore.h>
+
+#include "ramscout_sim/moving_solids.hpp"
+
+#include "triangles.hpp"
 
 namespace ramscout_sim {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr double kLargestSagitta_m = 2e-4;  // how far a polygon may be off the circle it stands for
-constexpr double kFloorMargin_m = 100.0;
-
-/// Triangles of all solids that answer light in the same way, world axes.
-struct Mesh {
-  std::vector<Eigen::Vector3f> vertices;
-  std::vector<std::array<unsigned, 3>> triangles;
-
-  void addQuad(const std::array<Eigen::Vector3d, 4>& corners) {
-    const unsigned first = static_cast<unsigned>(vertices.size());
-    for (const Eigen::Vector3d& corner : corners) vertices.push_back(corner.cast<float>());
-    triangles.push_back({first, first + 1, first + 2});
-    triangles.push_back({first, first + 2, first + 3});
-  }
-};
-
-void addBox(const Solid& box, Mesh& mesh) {
-  const Eigen::Vector3d half = 0.5 * box.size_m;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double sign : {-1.0, 1.0}) {
-      Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-      Eigen::Vector3d u = Eigen::Vector3d::Zero();
-      Eigen::Vector3d v = Eigen::Vector3d::Zero();
-      normal[axis] = sign * half[axis];
-      u[(axis + 1) % 3] = half[(axis + 1) % 3];
-      v[(axis + 2) % 3] = half[(axis + 2) % 3];
-      u *= sign;  // counter-clockwise from outside
-      mesh.addQuad(
-          {box.world_from_solid * (normal - u - v), box.world_from_solid * (normal + u - v),
-           box.world_from_solid * (normal + u + v), box.world_from_solid * (normal - u + v)});
-    }
-  }
-}
-
-/// As a prism between the inscribed and the circumscribed one.
-void addCylinder(const Solid& cylinder, Mesh& mesh) {
-  const double radius_m = 0.5 * cylinder.size_m.x();
-  const double half_height_m = 0.5 * cylinder.size_m.z();
-  const double half_angle = std::acos(1.0 - std::min(0.5, 2.0 * kLargestSagitta_m / radius_m));
-  const int sides = std::max(8, static_cast<int>(std::ceil(M_PI / half_angle)));
-  const double corner_radius_m = 2.0 * radius_m / (1.0 + std::cos(M_PI / sides));
-  const auto corner = [&](int side, double z) -> Eigen::Vector3d {
-    const double angle = 2.0 * M_PI * side / sides;
-    return cylinder.world_from_solid *
-           Eigen::Vector3d(corner_radius_m * std::cos(angle), corner_radius_m * std::sin(angle), z);
-  };
-  const Eigen::Vector3d top = cylinder.world_from_solid * Eigen::Vector3d(0.0, 0.0, half_height_m);
-  const Eigen::Vector3d bottom =
-      cylinder.world_from_solid * Eigen::Vector3d(0.0, 0.0, -half_height_m);
-  for (int side = 0; side < sides; ++side) {
-    const Eigen::Vector3d low_a = corner(side, -half_height_m);
-    const Eigen::Vector3d low_b = corner(side + 1, -half_height_m);
-    const Eigen::Vector3d high_a = corner(side, half_height_m);
-    const Eigen::Vector3d high_b = corner(side + 1, half_height_m);
-    mesh.addQuad({low_a, low_b, high_b, high_a});
-    mesh.addQuad({top, high_a, high_b, top});
-    mesh.addQuad({bottom, low_b, low_a, bottom});
-  }
-}
-
-void addSphere(const Solid& sphere, Mesh& mesh) {
-  constexpr int kBands = 64;
-  const double radius_m = 0.5 * sphere.size_m.x();
-  const auto point = [&](int band, int slice) -> Eigen::Vector3d {
-    const double polar = M_PI * band / kBands;
-    const double azimuth = M_PI * slice / kBands;
-    return sphere.world_from_solid *
-           (radius_m * Eigen::Vector3d(std::sin(polar) * std::cos(azimuth),
-                                       std::sin(polar) * std::sin(azimuth), std::cos(polar)));
-  };
-  for (int band = 0; band < kBands; ++band) {
-    for (int slice = 0; slice < 2 * kBands; ++slice) {
-      mesh.addQuad({point(band, slice), point(band + 1, slice), point(band + 1, slice + 1),
-                    point(band, slice + 1)});
-    }
-  }
-}
-
-void addMesh(const Solid& solid, Mesh& mesh) {
-  const unsigned first = static_cast<unsigned>(mesh.vertices.size());
-  const Eigen::Isometry3f world_from_solid = solid.world_from_solid.cast<float>();
-  for (const Eigen::Vector3f& vertex : solid.mesh->vertices_m)
-    mesh.vertices.push_back(world_from_solid * vertex);
-  for (const auto& [a, b, c] : solid.mesh->triangles)
-    mesh.triangles.push_back({first + a, first + b, first + c});
-}
-
-void addSolid(const Solid& solid, Mesh& mesh) {
-  switch (solid.shape) {
-    case Shape::kBox:
-      return addBox(solid, mesh);
-    case Shape::kCylinder:
-      return addCylinder(solid, mesh);
-    case Shape::kSphere:
-      return addSphere(solid, mesh);
-    case Shape::kMesh:
-      return addMesh(solid, mesh);
-  }
-}
-
-/// What an Embree geometry stands for.
-struct SurfaceKind {
-  std::uint32_t material = 0;
-  bool two_sided = false;
-  bool operator<(const SurfaceKind& other) const {
-    return std::tie(material, two_sided) < std::tie(other.material, other.two_sided);
-  }
-};
-
-std::map<SurfaceKind, Mesh> toMeshes(const World& world) {
-  std::map<SurfaceKind, Mesh> meshes;
-  for (const Solid& solid : world.solids) {
-    if (!solid.seen) continue;
-    const SurfaceKind kind{static_cast<std::uint32_t>(solid.material), solid.shape == Shape::kMesh};
-    addSolid(solid, meshes[kind]);
-  }
-  const Eigen::AlignedBox3d bounds = boundsOf(world);
-  const Eigen::Vector3d low = bounds.min() - Eigen::Vector3d::Constant(kFloorMargin_m);
-  const Eigen::Vector3d high = bounds.max() + Eigen::Vector3d::Constant(kFloorMargin_m);
-  meshes[SurfaceKind()].addQuad(
-      {Eigen::Vector3d(low.x(), low.y(), 0.0), Eigen::Vector3d(high.x(), low.y(), 0.0),
-       Eigen::Vector3d(high.x(), high.y(), 0.0), Eigen::Vector3d(low.x(), high.y(), 0.0)});
-  return meshes;
-}
 
 const char* nameOf(InstructionSet set) {
   switch (set) {
@@ -167,9 +46,10 @@ public:
     scene_ = rtcNewScene(device_);
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-    for (const auto& [kind, mesh] : toMeshes(world)) {
-      attach(mesh);
+    for (auto& [kind, surfaces] : trianglesOf(world)) {
+      attach(surfaces);
       kinds_.push_back(kind);
+      surfaces_.push_back(std::move(surfaces));
     }
     rtcCommitScene(scene_);
     const RTCError error = rtcGetDeviceError(device_);
@@ -223,8 +103,59 @@ private:
       std::fill_n(valid.begin(), filled, -1);
       fill(rays, first, filled, packet);
       rtcIntersect16(valid.data(), scene_, &context, &packet);
+      refine(filled, packet);
       use(first, filled, packet);
     }
+  }
+
+  /// Single precision places a surface to a micrometre, which a grazing ray sees as millimetres,
+  /// and curved solids are polygons here: how far such rays go is computed again.
+  void refine(int count, RTCRayHit16& packet) const {
+    constexpr float kGrazing = 0.02F;  // cosine of the incidence
+    const auto& [ray, hit] = packet;
+    std::array<int, kPacket> inexact;
+    for (std::size_t i = 0; i < kPacket; ++i) {
+      const float across =
+          hit.Ng_x[i] * ray.dir_x[i] + hit.Ng_y[i] * ray.dir_y[i] + hit.Ng_z[i] * ray.dir_z[i];
+      const float square =
+          hit.Ng_x[i] * hit.Ng_x[i] + hit.Ng_y[i] * hit.Ng_y[i] + hit.Ng_z[i] * hit.Ng_z[i];
+      inexact[i] = across * across < kGrazing * kGrazing * square ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      const unsigned geometry = hit.geomID[i];
+      if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
+      if (kinds_[geometry].curved) {
+        const Triangles& surface = surfaces_[geometry];
+        const Solid& solid = surface.solids[surface.solid_by_triangle[hit.primID[i]]];
+        packet.ray.tfar[i] = curvedDistance(packet, i, solid);
+      } else if (inexact[i] != 0) {
+        packet.ray.tfar[i] = planeDistance(packet, i, surfaces_[geometry]);
+      }
+    }
+  }
+
+  /// To the true shape; to the polygon if that is missed.
+  static float curvedDistance(const RTCRayHit16& packet, std::size_t i, const Solid& solid) {
+    const RTCRay16& ray = packet.ray;
+    const std::optional<Hit> hit = intersect(
+        Ray{{ray.org_x[i], ray.org_y[i], ray.org_z[i]}, {ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]}},
+        solid);
+    return hit ? hit->distance_m : ray.tfar[i];
+  }
+
+  /// To the plane of the triangle that was hit.
+  static float planeDistance(const RTCRayHit16& packet, std::size_t i, const Triangles& surface) {
+    const auto& [ray, hit] = packet;
+    const auto& [a, b, c] = surface.triangles[hit.primID[i]];
+    const Eigen::Vector3d& corner = surface.vertices[a];
+    const Eigen::Vector3d normal =
+        (surface.vertices[b] - corner).cross(surface.vertices[c] - corner);
+    const Eigen::Vector3d origin(ray.org_x[i], ray.org_y[i], ray.org_z[i]);
+    const Eigen::Vector3d direction(ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]);
+    const double distance_m = normal.dot(corner - origin) / normal.dot(direction);
+    constexpr double kBelievable_m = 0.1;  // or the ray lies in the plane
+    return std::abs(distance_m - ray.tfar[i]) < kBelievable_m ? static_cast<float>(distance_m)
+                                                              : ray.tfar[i];
   }
 
   /// Embree takes components below 1e-18 for positive when it inverts them, but not when it sorts
@@ -249,7 +180,7 @@ private:
     std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
   }
 
-  void attach(const Mesh& mesh) {
+  void attach(const Triangles& mesh) {
     const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -259,8 +190,8 @@ private:
                                 3 * sizeof(unsigned), mesh.triangles.size()));
     if (!vertices || !indices)
       throw std::runtime_error("Embree has no memory for the world's triangles");
-    for (const Eigen::Vector3f& vertex : mesh.vertices)
-      vertices = std::copy_n(vertex.data(), 3, vertices);
+    for (const Eigen::Vector3d& vertex : mesh.vertices)
+      vertices = std::copy_n(vertex.cast<float>().eval().data(), 3, vertices);
     for (const auto& triangle : mesh.triangles) indices = std::copy_n(triangle.data(), 3, indices);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_, geometry);
@@ -269,7 +200,9 @@ private:
 
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
-  std::vector<SurfaceKind> kinds_;  // by Embree's geometry number
+  // By Embree's geometry number.
+  std::vector<SurfaceKind> kinds_;
+  std::vector<Triangles> surfaces_;
 };
 
 Rays::Rays(std::size_t count)

@@ -244,6 +244,34 @@ TEST(RayCaster, DirectionsAlongAnAxisButForRoundingMissNothing) {
   }
 }
 
+TEST(RayCaster, GrazingRaysEndWhereTheSurfaceIs) {
+  // A wall at 30 degrees, 60 m from the origin, whose corners single precision rounds.
+  const double wall_yaw_rad = M_PI / 6.0;
+  const Eigen::Vector2d along(std::cos(wall_yaw_rad), std::sin(wall_yaw_rad));
+  const Eigen::Vector2d across(-along.y(), along.x());
+  const Eigen::Vector2d begin(61.237, 17.913);
+  World world;
+  world.solids = {makeWall(begin, begin + 20.0 * along, 0.1, 2.0)};
+  const RayCaster caster(world);
+  for (const double angle_rad : {1e-3, 2e-3, 1e-2, 0.1}) {
+    for (const double height_m : {0.31, 0.37, 0.43}) {
+      // From 5 mm beside its face, which a ray from there meets 5 mm / sin(angle) further on.
+      const Eigen::Vector2d from = begin + 1.0 * along - 0.055 * across;
+      const Eigen::Vector2d to =
+          Eigen::Rotation2Dd(wall_yaw_rad + angle_rad) * Eigen::Vector2d::UnitX();
+      Ray ray;
+      ray.origin_m = Eigen::Vector3d(from.x(), from.y(), height_m).cast<float>();
+      ray.direction = Eigen::Vector3d(to.x(), to.y(), 0.0).cast<float>();
+      const Rays rays(std::vector<Ray>(1, ray));
+      const Eigen::Vector2d exact_from(rays.origins_m(0, 0), rays.origins_m(0, 1));
+      const Eigen::Vector2d exact_to(rays.directions(0, 0), rays.directions(0, 1));
+      const double expected_m =
+          across.dot(begin - 0.05 * across - exact_from) / across.dot(exact_to);
+      EXPECT_NEAR(caster.cast(rays)[0], expected_m, 1e-5) << angle_rad;
+    }
+  }
+}
+
 TEST(Lidar, NoiseHasTheStatedDeviationAndNoBias) {
   LidarParameters p = perfect();
   p.range_sigma_m = 0.01;
