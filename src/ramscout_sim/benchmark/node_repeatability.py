@@ -4,7 +4,7 @@
 Every run is stepped; some have nobody listening for the first half, some two listeners. The SHA-256 is that of all
 messages of each topic in the second half, without the sequence numbers that roscpp counts per publisher.
 
-Usage: roscore & src/ramscout_sim/benchmark/node_repeatability.py WORLD TOUR ROBOT [RUNS [SECONDS]]
+Usage: roscore & /usr/bin/python3 src/ramscout_sim/benchmark/node_repeatability.py WORLD TOUR ROBOT [RUNS [SECONDS]]
 """
 import hashlib
 import subprocess

@@ -3,7 +3,7 @@
 
 The simulator has processor 0 to itself as far as this program can tell.
 
-Usage: roscore & src/ramscout_sim/benchmark/node_speed.py WORLD TOUR ROBOT [key:=value of the simulator ...]
+Usage: roscore & /usr/bin/python3 src/ramscout_sim/benchmark/node_speed.py WORLD TOUR ROBOT [key:=value of the simulator ...]
 """
 import os
 import subprocess
