@@ -9,12 +9,16 @@
 
 int main(int argc, char** argv) {
   if (argc != 2 && argc != 3) {
-    std::cerr << "usage: generate_office OUTPUT [\"{seed: 1, blocks_along_x: 2, ...}\"]\n"
-                 "Writes OUTPUT.yaml, an office building, and OUTPUT_tour.yaml, a way around all "
-                 "its blocks.\n"
-                 "Keys and defaults: seed 1, blocks_along_x 2, blocks_along_y 1, block_length_m "
-                 "17, room_depth_m 5,\n"
-                 "corridor_width_m 2, door_width_m 1.\n";
+    std::cerr
+        << "usage: generate_office OUTPUT [\"{seed: 1, blocks_along_x: 2, ...}\"]\n"
+           "Writes OUTPUT.yaml, an office building, and OUTPUT_tour.yaml, a way around all "
+           "its blocks.\n"
+           "Keys and defaults: seed 1, blocks_along_x 2, blocks_along_y 1, block_length_m "
+           "17, room_depth_m 5,\n"
+           "corridor_width_m 2, door_width_m 1, glass_front_share 0, movable_door_share 0, people "
+           "0.\n"
+           "blocks_along_y 0 makes a single corridor; 53 x 83 blocks are 1 km^2 (a world file "
+           "can hold `office: {...}`\ninstead).\n";
     return EXIT_FAILURE;
   }
   try {

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kWall_m = 0.15;
 constexpr double kWallHeight_m = 2.5;
+constexpr double kPane_m = 0.02;
 constexpr double kShortestRoom_m = 3.0;
 
 void require(bool condition, const char* parameter, double value, const char* bound) {
@@ -35,7 +36,10 @@ class Builder {
 public:
   explicit Builder(const OfficeParameters& parameters)
       : parameters_(parameters),
-        random_(static_cast<std::uint64_t>(parameters.seed), Stream::kBuilding) {}
+        random_(static_cast<std::uint64_t>(parameters.seed), Stream::kBuilding),
+        extras_(static_cast<std::uint64_t>(parameters.seed), Stream::kBuilding, 1) {
+    office_.world.materials = standardMaterials();
+  }
 
   Office build() {
     addOuterWalls();
@@ -51,6 +55,7 @@ public:
         addBlock(left_m, bottom_m);
       }
     }
+    for (int i = 0; i < parameters_.people; ++i) addPerson(i);
     office_.world.start = {corridorX(0), corridorY(0), 0.0};
     office_.tour = makeTour();
     return office_;
@@ -115,11 +120,66 @@ private:
     const double latch_m = hinge_m + parameters_.door_width_m;
     addWall(left_m, y, hinge_m, y);
     addWall(latch_m, y, right_m, y);
+    if (extras_.uniform() < parameters_.glass_front_share) {
+      for (std::size_t i = office_.world.solids.size() - 2; i < office_.world.solids.size(); ++i) {
+        office_.world.solids[i].material = materialCalled("glass");
+        office_.world.solids[i].size_m.y() = kPane_m;
+      }
+    }
+    const bool movable = extras_.uniform() < parameters_.movable_door_share;
+    if (movable) addDoor(hinge_m, y, row.doors_at_top ? -1.0 : 1.0);
     if (random_.uniform() < 0.5) {  // a door leaf, open into the room
       const double into_room = row.doors_at_top ? -0.9 : 0.9;
-      addBox(hinge_m, y + 0.5 * into_room, 0.04, std::abs(into_room), 2.0,
-             random_.uniform(-0.1, 0.1));
+      const double yaw_rad = random_.uniform(-0.1, 0.1);
+      if (!movable) {
+        addBox(hinge_m, y + 0.5 * into_room, 0.04, std::abs(into_room), 2.0, yaw_rad);
+      }
     }
+  }
+
+  void addDoor(double hinge_x_m, double hinge_y_m, double inward) {
+    Door door;
+    door.name = "door_" + std::to_string(office_.world.doors.size() + 1);
+    door.hinge_m = {hinge_x_m, hinge_y_m};
+    door.width_m = parameters_.door_width_m - 0.01;
+    door.open_angle_rad = inward * 1.5;
+    door.openness = extras_.uniform() < 0.5 ? 0.0 : 1.0;
+    door.material = materialCalled("wood");
+    office_.world.doors.push_back(door);
+  }
+
+  std::size_t materialCalled(const std::string& name) const {
+    const std::vector<Material>& all = office_.world.materials;
+    return static_cast<std::size_t>(
+        std::find_if(all.begin(), all.end(),
+                     [&name](const Material& material) { return material.name == name; }) -
+        all.begin());
+  }
+
+  /// Walks around a block, or along the only corridor, beside its middle.
+  void addPerson(int index) {
+    const auto pick = [this](int count) {
+      return std::min(count - 1, static_cast<int>(extras_.uniform(0.0, count)));
+    };
+    const int column = pick(parameters_.blocks_along_x);
+    const int row = pick(std::max(1, parameters_.blocks_along_y));
+    const double aside_m = extras_.uniform(-0.25, 0.25) * parameters_.corridor_width_m;
+    const double left_m = corridorX(column) + aside_m;
+    const double right_m = corridorX(column + 1) - aside_m;
+    const double bottom_m = corridorY(row) + aside_m;
+    const double top_m = corridorY(row + 1) - aside_m;
+    Person person;
+    person.name = "person_" + std::to_string(index + 1);
+    person.speed_mps = extras_.uniform(0.7, 1.5);
+    person.height_m = extras_.uniform(1.55, 1.9);
+    if (parameters_.blocks_along_y == 0) {
+      person.waypoints_m = {{right_m, bottom_m}, {left_m, bottom_m}};
+    } else {
+      person.loop = true;
+      person.waypoints_m = {
+          {right_m, top_m}, {left_m, top_m}, {left_m, bottom_m}, {right_m, bottom_m}};
+    }
+    office_.world.people.push_back(person);
   }
 
   /// Desk, cabinet, bin and chair, away from the door.
@@ -155,6 +215,10 @@ private:
     Tour tour;
     tour.waypoints_m.emplace_back(corridorX(0), corridorY(0));
     const auto go = [&tour](double x, double y) { tour.waypoints_m.emplace_back(x, y); };
+    if (parameters_.blocks_along_y == 0) {
+      go(corridorX(parameters_.blocks_along_x), corridorY(0));
+      go(corridorX(0), corridorY(0));
+    }
     for (int row = 0; row < parameters_.blocks_along_y; ++row) {
       for (int column = 0; column < parameters_.blocks_along_x; ++column) {
         go(corridorX(column + 1), corridorY(row));
@@ -173,6 +237,7 @@ private:
 
   OfficeParameters parameters_;
   Random random_;
+  Random extras_;  // of its own, so that they leave the rest of the building as it is
   Office office_;
 };
 
@@ -196,14 +261,19 @@ void OfficeParameters::validate() const {
   require(seed >= 0, "seed", seed, ">= 0");
   require(blocks_along_x >= 1 && blocks_along_x <= 1000, "blocks_along_x", blocks_along_x,
           "1 to 1000");
-  require(blocks_along_y >= 1 && blocks_along_y <= 1000, "blocks_along_y", blocks_along_y,
-          "1 to 1000");
+  require(blocks_along_y >= 0 && blocks_along_y <= 1000, "blocks_along_y", blocks_along_y,
+          "0 to 1000");
   require(block_length_m >= 2.0 * kShortestRoom_m && block_length_m <= 200.0, "block_length_m",
           block_length_m, "6 to 200");
   require(room_depth_m >= 4.0 && room_depth_m <= 20.0, "room_depth_m", room_depth_m, "4 to 20");
   require(corridor_width_m >= 1.2 && corridor_width_m <= 20.0, "corridor_width_m", corridor_width_m,
           "1.2 to 20");
   require(door_width_m >= 0.7 && door_width_m <= 1.8, "door_width_m", door_width_m, "0.7 to 1.8");
+  require(glass_front_share >= 0.0 && glass_front_share <= 1.0, "glass_front_share",
+          glass_front_share, "in [0, 1]");
+  require(movable_door_share >= 0.0 && movable_door_share <= 1.0, "movable_door_share",
+          movable_door_share, "in [0, 1]");
+  require(people >= 0 && people <= 1000, "people", people, "0 to 1000");
 }
 
 OfficeParameters readOfficeParameters(ram_parameters::ParameterReader& reader) {
@@ -215,6 +285,9 @@ OfficeParameters readOfficeParameters(ram_parameters::ParameterReader& reader) {
   reader.read("room_depth_m", p.room_depth_m);
   reader.read("corridor_width_m", p.corridor_width_m);
   reader.read("door_width_m", p.door_width_m);
+  reader.read("glass_front_share", p.glass_front_share);
+  reader.read("movable_door_share", p.movable_door_share);
+  reader.read("people", p.people);
   reader.rejectUnknown();
   p.validate();
   return p;
@@ -223,33 +296,6 @@ OfficeParameters readOfficeParameters(ram_parameters::ParameterReader& reader) {
 Office generateOffice(const OfficeParameters& parameters) {
   parameters.validate();
   return Builder(parameters).build();
-}
-
-void writeWorldFile(const World& world, const std::string& path) {
-  std::ofstream stream(path);
-  stream.precision(7);
-  stream << "start: ";
-  writeNumbers(stream, {world.start.x_m, world.start.y_m, world.start.yaw_rad});
-  stream << "\nfloor_friction: " << world.floor_friction << "\nboxes:\n";
-  for (const Solid& solid : world.solids) {
-    if (solid.shape != Shape::kBox) continue;
-    const Eigen::Vector3d center = solid.world_from_solid.translation();
-    stream << "  - {center: ";
-    writeNumbers(stream, {center.x(), center.y(), center.z()});
-    stream << ", size: ";
-    writeNumbers(stream, {solid.size_m.x(), solid.size_m.y(), solid.size_m.z()});
-    stream << ", yaw_rad: " << toPose2(solid.world_from_solid).yaw_rad << "}\n";
-  }
-  stream << "cylinders:\n";
-  for (const Solid& solid : world.solids) {
-    if (solid.shape != Shape::kCylinder) continue;
-    const Eigen::Vector3d center = solid.world_from_solid.translation();
-    stream << "  - {center: ";
-    writeNumbers(stream, {center.x(), center.y()});
-    stream << ", radius_m: " << 0.5 * solid.size_m.x() << ", height_m: " << solid.size_m.z()
-           << ", bottom_m: " << center.z() - 0.5 * solid.size_m.z() << "}\n";
-  }
-  close(stream, path);
 }
 
 void writeTour(const Tour& tour, const std::string& path) {

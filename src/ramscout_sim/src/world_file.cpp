@@ -178,16 +178,21 @@ public:
     }
     top.read("floor_friction", world_.floor_friction);
     requireIn(path_, "floor_friction", world_.floor_friction, 0.0, 10.0);
-    readList(file_, path_, "materials", [this](ParameterReader& element, const std::string& name) {
-      addMaterial(readMaterial(element, name));
-    });
     if (top.has("office")) {
       ParameterReader office = top.section("office");
       addOffice(readOfficeParameters(office));
     }
+    readList(file_, path_, "materials", [this](ParameterReader& element, const std::string& name) {
+      addMaterial(readMaterial(element, name));
+    });
     if (top.has("start")) {
       const std::vector<double> start = readVector(top, path_, "start", 3);
       world_.start = {start[0], start[1], start[2]};
+    }
+    if (top.has("gravity")) {
+      const std::vector<double> gravity = readVector(top, path_, "gravity", 3);
+      world_.gravity_mps2 = {gravity[0], gravity[1], gravity[2]};
+      requireIn(path_, "gravity: length", world_.gravity_mps2.norm(), 0.1, 100.0);
     }
     top.rejectUnknown();
     readSolids("walls", readWall);
@@ -212,9 +217,10 @@ private:
 
   void addOffice(const OfficeParameters& parameters) {
     World office = generateOffice(parameters).world;
-    office.materials = world_.materials;
     office.floor_friction = world_.floor_friction;
     world_ = std::move(office);
+    for (const Person& person : world_.people) names_.insert(person.name);
+    for (const Door& door : world_.doors) names_.insert(door.name);
   }
 
   std::size_t readMaterialName(ParameterReader& element, const std::string& name) const {

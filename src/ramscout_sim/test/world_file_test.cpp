@@ -192,6 +192,64 @@ TEST(Office, EveryRoomCanBeEntered) {
   EXPECT_LT(unreachable, 0.02 * cells);  // insides of furniture and gaps behind it
 }
 
+TEST(Office, HasGlassDoorsAndPeopleWithoutChangingTheRest) {
+  OfficeParameters plain;
+  OfficeParameters lively = plain;
+  lively.glass_front_share = 0.5;
+  lively.movable_door_share = 1.0;
+  lively.people = 6;
+  const World before = generateOffice(plain).world;
+  const World after = generateOffice(lively).world;
+  const auto is_glass = [&after](const Solid& solid) {
+    return after.materials[solid.material].surface == Surface::kGlass;
+  };
+  EXPECT_GT(std::count_if(after.solids.begin(), after.solids.end(), is_glass), 10);
+  EXPECT_GT(after.doors.size(), 20U);
+  EXPECT_EQ(after.people.size(), 6U);
+  EXPECT_EQ(before.people.size() + before.doors.size(), 0U);
+  std::size_t same = 0;
+  for (const Solid& solid : after.solids) {
+    same += std::any_of(before.solids.begin(), before.solids.end(), [&solid](const Solid& other) {
+      return other.world_from_solid.matrix() == solid.world_from_solid.matrix();
+    });
+  }
+  EXPECT_EQ(same, after.solids.size()) << "only leaves that stood open are gone";
+  EXPECT_NO_THROW(Physics(testing::shippedRobot(), after, after.start));
+}
+
+TEST(Office, GoesFromAHundredSquareMetresToASquareKilometre) {
+  OfficeParameters small;
+  small.blocks_along_x = 1;
+  small.blocks_along_y = 0;
+  small.block_length_m = 6.0;
+  EXPECT_NEAR(small.length_m() * small.depth_m(), 120.0, 1e-9);
+  const Office one_corridor = generateOffice(small);
+  EXPECT_EQ(one_corridor.tour.waypoints_m.size(), 3U);
+  EXPECT_NO_THROW(Physics(testing::shippedRobot(), one_corridor.world, one_corridor.world.start));
+  OfficeParameters large;
+  large.blocks_along_x = 53;
+  large.blocks_along_y = 83;
+  EXPECT_GT(large.length_m() * large.depth_m(), 1e6);
+  EXPECT_GT(generateOffice(large).world.solids.size(), 100000U);
+}
+
+TEST(WorldFile, CanHoldAnOffice) {
+  const TemporaryFolder folder;
+  const World world = readWorld(folder.write(
+      "w.yaml", "office: {seed: 4, people: 2}\nfloor_friction: 0.5\ngravity: [0.8, 0, -9.8]\n"));
+  EXPECT_EQ(world.solids.size(), generateOffice([] {
+                                   OfficeParameters p;
+                                   p.seed = 4;
+                                   return p;
+                                 }())
+                                     .world.solids.size());
+  EXPECT_EQ(world.people.size(), 2U);
+  EXPECT_EQ(world.floor_friction, 0.5);
+  EXPECT_EQ(world.gravity_mps2.x(), 0.8) << "the floor is a slope";
+  EXPECT_THAT(refusalOf(readWorld, folder.write("w.yaml", "office: {seed: 4, poeple: 2}")),
+              HasSubstr("poeple"));
+}
+
 TEST(Office, RefusesBadParametersByName) {
   OfficeParameters parameters;
   parameters.corridor_width_m = 0.5;

@@ -13,11 +13,17 @@ namespace ramscout_sim {
 struct OfficeParameters {
   int seed = 1;
   int blocks_along_x = 2;
-  int blocks_along_y = 1;
+  int blocks_along_y = 1;        ///< 0: a single corridor between two rows of rooms
   double block_length_m = 17.0;  ///< along x; subdivided into rooms
   double room_depth_m = 5.0;     ///< along y; a block is two rooms deep
   double corridor_width_m = 2.0;
   double door_width_m = 1.0;
+  /// Share of the rooms whose wall to the corridor is of glass.
+  double glass_front_share = 0.0;
+  /// Share of the rooms whose door has a leaf that can be moved; its name is door_<number>, and it
+  /// is open or closed at the start.
+  double movable_door_share = 0.0;
+  int people = 0;  ///< who walk around the blocks
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
@@ -42,9 +48,6 @@ struct Office {
 
 /// Same parameters, same building. The corner of the building is at the origin.
 Office generateOffice(const OfficeParameters& parameters);
-
-/// Writes a world file that readWorld reads. \throws std::runtime_error if that fails
-void writeWorldFile(const World& world, const std::string& path);
 
 /// Writes a tour file that readTour reads. \throws std::runtime_error if that fails
 void writeTour(const Tour& tour, const std::string& path);

@@ -118,4 +118,8 @@ std::vector<Material> standardMaterials();
 /// \throws std::runtime_error or std::invalid_argument naming file, element and reason
 World readWorld(const std::string& path);
 
+/// Writes a world file that readWorld reads: boxes, upright cylinders, materials, people, doors.
+/// \throws std::invalid_argument if the world has other solids, std::runtime_error if writing fails
+void writeWorldFile(const World& world, const std::string& path);
+
 }  // namespace ramscout_sim
