@@ -36,12 +36,15 @@ LidarParameters preset(const std::string& name) {
     p.range_max_m = 5.6;
     p.range_sigma_m = 0.01;
     p.range_sigma_per_m = 0.01;
-  } else if (name == "sick_lms") {  // LMS 200, half degree
-    p.beams = 361;
+  } else if (name == "sick_lms" || name == "sick_lms_180") {  // LMS 200, 75 turns a second
+    // Half a degree takes two turns, of which each gives every other beam; the file formats of old
+    // logs leave out the last of the 181 beams of a single turn.
+    const bool fine = name == "sick_lms";
+    p.beams = fine ? 361 : 180;
     p.angle_min_rad = -M_PI_2;
-    p.angle_max_rad = M_PI_2;
-    p.scan_rate_hz = 37.5;
-    p.time_increment_s = 1.0 / 75.0 / 720.0;
+    p.angle_max_rad = fine ? M_PI_2 : M_PI_2 - M_PI / 180.0;
+    p.scan_rate_hz = fine ? 37.5 : 75.0;
+    p.time_increment_s = 1.0 / 75.0 / (fine ? 720.0 : 360.0);
     p.range_min_m = 0.05;
     p.range_max_m = 80.0;
     p.range_sigma_m = 0.005;
@@ -58,7 +61,8 @@ LidarParameters preset(const std::string& name) {
     p.range_sigma_per_m = 0.01;
   } else {
     throw std::invalid_argument(
-        "lidar.preset must be utm_30lx, urg_04lx, sick_lms or rplidar_a2, got '" + name + "'");
+        "lidar.preset must be utm_30lx, urg_04lx, sick_lms, sick_lms_180 or rplidar_a2, got '" +
+        name + "'");
   }
   return p;
 }

@@ -30,6 +30,7 @@ constexpr double kMaxCorrectingSpeed_mps = 0.1;
 constexpr int kContactsPerPair = 3;
 constexpr std::size_t kMaxSolidContacts = 8;
 constexpr double kLargestCoordinate_m = 1e5;
+constexpr double kLargestSum = 1e6;  // of coordinates and speeds; NaN is not below it either
 constexpr int kMotorTrials = 4;
 // How far around the robot it is looked for solids, and how many steps it is not looked again
 // where one is near.
@@ -69,6 +70,7 @@ public:
         world_(createOdeWorld()),
         contacts_(dJointGroupCreate(0)),
         statics_(createStaticSpace(world)),
+        obstacle_space_(dSimpleSpaceCreate(nullptr)),
         chassis_space_(dSimpleSpaceCreate(nullptr)),
         floor_(dCreatePlane(nullptr, 0, 0, 1, 0)),
         probe_(dCreateSphere(nullptr, 1.0)),
@@ -89,6 +91,7 @@ public:
   void step(double duration_s, const WheelMotion& motion) {
     solid_contacts_.clear();
     if (mayTouchSolid() || isTipped()) collideChassis();
+    if (!obstacles_.empty()) collideChassisWith(obstacle_space_);
     for (std::size_t i = 0; i < wheels_.size(); ++i) {
       wheels_[i].steering_rad = motion.steering_rad[i];
       prepareContact(wheels_[i]);
@@ -97,6 +100,7 @@ public:
     for (int trial = 0; trial < kMotorTrials; ++trial) {
       if (trial > 0) setState(chassis_, before);
       addSpinTorques();
+      dBodyAddForce(chassis_, push_n_.x(), push_n_.y(), push_n_.z());
       createContactJoints(duration_s, motion);
       dWorldStep(world_, duration_s);
       dJointGroupEmpty(contacts_);
@@ -106,8 +110,8 @@ public:
       spin(wheels_[i], duration_s, motion.speeds_radps[i]);
     const double sum = toEigen(dBodyGetPosition(chassis_)).sum() + rotationOf(chassis_).sum() +
                        toEigen(dBodyGetLinearVel(chassis_)).sum();
-    if (!std::isfinite(sum))
-      throw std::runtime_error("the physics diverged: the robot's pose is not finite");
+    if (!(std::abs(sum) <= kLargestSum))
+      throw std::runtime_error("the physics diverged: the robot's pose or speed is absurd");
   }
 
   Eigen::Isometry3d worldFromBase() const {
@@ -132,6 +136,21 @@ public:
   }
   bool touchesSolid() const { return !solid_contacts_.empty(); }
   void setFloorFriction(double friction) { floor_friction_ = friction; }
+  void setPush(const Eigen::Vector3d& force_n) { push_n_ = force_n; }
+
+  void setObstacles(const std::vector<Solid>& solids) {
+    const bool same_shapes = std::equal(
+        solids.begin(), solids.end(), obstacles_.begin(), obstacles_.end(),
+        [](const Solid& a, const Solid& b) { return a.shape == b.shape && a.size_m == b.size_m; });
+    obstacles_ = solids;
+    if (!same_shapes) {
+      obstacle_geoms_.clear();
+      for (const Solid& solid : solids)
+        obstacle_geoms_.emplace_back(createGeom(obstacle_space_, solid));
+    }
+    for (std::size_t i = 0; i < solids.size(); ++i)
+      placeGeom(obstacle_geoms_[i], solids[i].world_from_solid);
+  }
 
   void setPose(const Pose2& pose) {
     if (!(std::abs(pose.x_m) <= kLargestCoordinate_m &&
@@ -210,8 +229,10 @@ private:
 
   bool insideSolid() {
     bool inside = false;
-    dSpaceCollide2(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)),
-                   reinterpret_cast<dGeomID>(dSpaceID(statics_)), &inside, setIfTouching);
+    for (const SpaceHandle* space : {&statics_, &obstacle_space_}) {
+      dSpaceCollide2(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)),
+                     reinterpret_cast<dGeomID>(dSpaceID(*space)), &inside, setIfTouching);
+    }
     return inside;
   }
 
@@ -359,15 +380,20 @@ private:
   }
 
   void collideChassis() {
-    const auto near = [](void* self, dGeomID a, dGeomID b) {
-      static_cast<Implementation*>(self)->touchSolid(a, b);
-    };
-    dSpaceCollide2(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)),
-                   reinterpret_cast<dGeomID>(dSpaceID(statics_)), this, near);
+    collideChassisWith(statics_);
     // A robot that tips over lies on the floor with its chassis.
     if (isTipped()) {
-      dSpaceCollide2(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)), floor_, this, near);
+      dSpaceCollide2(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)), floor_, this, touch);
     }
+  }
+
+  void collideChassisWith(const SpaceHandle& space) {
+    dSpaceCollide2(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)),
+                   reinterpret_cast<dGeomID>(dSpaceID(space)), this, touch);
+  }
+
+  static void touch(void* self, dGeomID a, dGeomID b) {
+    static_cast<Implementation*>(self)->touchSolid(a, b);
   }
 
   bool isTipped() const { return rotationOf(chassis_)(2, 2) < 0.99; }
@@ -393,6 +419,10 @@ private:
   std::vector<std::shared_ptr<const TriangleMesh>> meshes_;
   std::vector<MeshData> mesh_data_;
   SpaceHandle statics_;
+  SpaceHandle obstacle_space_;
+  std::vector<GeomHandle> obstacle_geoms_;
+  std::vector<Solid> obstacles_;
+  Eigen::Vector3d push_n_ = Eigen::Vector3d::Zero();
   SpaceHandle chassis_space_;
   GeomHandle floor_;
   GeomHandle probe_;
@@ -441,6 +471,12 @@ void Physics::setFloorFriction(double friction) {
                                 std::to_string(friction));
   }
   implementation_->setFloorFriction(friction);
+}
+void Physics::setPush(const Eigen::Vector3d& force_n) {
+  implementation_->setPush(force_n);
+}
+void Physics::setObstacles(const std::vector<Solid>& solids) {
+  implementation_->setObstacles(solids);
 }
 void Physics::setPose(const Pose2& world_from_base) {
   implementation_->setPose(world_from_base);

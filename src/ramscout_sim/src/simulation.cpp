@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "ramscout_sim/start_pose.hpp"
+
 namespace ramscout_sim {
 namespace {
 
@@ -65,10 +67,16 @@ Simulation::Simulation(const SimulationParameters& parameters,
     : parameters_((parameters.validate(), parameters)),
       robot_(robot),
       ray_caster_(world, parseInstructionSet(parameters.instruction_set)),
-      physics_(withTrueGeometry(robot, parameters.odometry), world, world.start),
+      physics_(startedPhysics(withTrueGeometry(robot, parameters.odometry), world)),
+      actors_(world),
       odometry_(robot, parameters.odometry, static_cast<std::uint64_t>(parameters.seed)),
       drive_(robot, parameters.drive),
       lidar_(parameters.lidar, static_cast<std::uint64_t>(parameters.seed)) {
+  floor_friction_ = world.floor_friction;
+  World parts;
+  parts.solids = robot.chassis_shapes;
+  const Eigen::AlignedBox3d bounds = boundsOf(parts);
+  radius_m_ = bounds.min().head<2>().cwiseAbs().cwiseMax(bounds.max().head<2>().cwiseAbs()).norm();
   if (tour) driver_.emplace(*tour);
   rememberPose();
 }
@@ -85,7 +93,7 @@ void Simulation::command(const Twist2& twist) {
 
 Twist2 Simulation::wantedTwist() {
   Twist2 wanted;
-  if (activeFault(FaultKind::kMotorsDead)) return wanted;
+  if (activeFault(FaultKind::kMotorsDead) || lift_) return wanted;
   if (driver_) {
     if (now_ns_ >= next_drive_ns_) {
       driven_ = driver_->drive(toPose2(physics_.worldFromBase()));
@@ -112,7 +120,9 @@ Outputs Simulation::step() {
       kStart_ns + std::llround(static_cast<double>(steps_) / parameters_.physics_rate_hz * 1e9);
   const double duration_s = 1.0 / parameters_.physics_rate_hz;
   startFaults(outputs);
+  if (!actors_.empty()) moveActors();
   wheel_motion_ = drive_.advance(wantedTwist(), duration_s);
+  if (!started_faults_.empty() || forced_) applyForces();
   physics_.step(duration_s, wheel_motion_);
   now_ns_ = next_ns;
   rememberPose();
@@ -127,13 +137,18 @@ Outputs Simulation::step() {
 
 void Simulation::rememberPose() {
   recent_path_.stamps_ns.push_back(now_ns_);
-  recent_path_.world_from_laser.push_back(physics_.worldFromBase() * robot_.base_from_laser);
+  recent_path_.world_from_laser.push_back(worldFromLaser());
 }
 
 std::optional<Scan> Simulation::scanIfDue() {
   const std::int64_t stamp_ns = dueAt_ns(scan_count_, parameters_.lidar.scan_rate_hz);
   if (now_ns_ < stamp_ns + std::llround(parameters_.lidar.sweep_s() * 1e9)) return std::nullopt;
-  Scan scan = lidar_.measure(stamp_ns, scan_count_, recent_path_, ray_caster_);
+  std::vector<Solid> moving;
+  if (!actors_.empty()) {
+    moving = actors_.solidsInSweep(static_cast<double>(stamp_ns - kStart_ns) * 1e-9,
+                                   recent_path_.world_from_laser.back(), parameters_.lidar);
+  }
+  Scan scan = lidar_.measure(stamp_ns, scan_count_, recent_path_, ray_caster_, moving);
   ++scan_count_;
   // Keep one sample at or before the next scan's start.
   const std::int64_t next_ns = dueAt_ns(scan_count_, parameters_.lidar.scan_rate_hz);
@@ -147,55 +162,12 @@ std::optional<Scan> Simulation::scanIfDue() {
                                       recent_path_.world_from_laser.begin() + obsolete);
   if (activeFault(FaultKind::kScanDropout)) return std::nullopt;
   maskSector(scan);
+  if (const Fault* offset = activeFault(FaultKind::kClockOffset)) {
+    const std::int64_t earliest_ns = 1;  // 0 is no time
+    scan.stamp_ns =
+        std::max<std::int64_t>(earliest_ns, scan.stamp_ns + std::llround(offset->amount * 1e9));
+  }
   return scan;
-}
-
-void Simulation::inject(const Fault& fault) {
-  fault.validate();
-  Fault scheduled = fault;
-  scheduled.start_s = std::max(fault.start_s, static_cast<double>(now_ns_ - kStart_ns) * 1e-9);
-  waiting_faults_.push_back(scheduled);
-}
-
-void Simulation::startFaults(Outputs& outputs) {
-  const double now_s = static_cast<double>(now_ns_ - kStart_ns) * 1e-9;
-  const auto started =
-      std::stable_partition(waiting_faults_.begin(), waiting_faults_.end(),
-                            [now_s](const Fault& fault) { return fault.start_s > now_s; });
-  for (auto fault = started; fault != waiting_faults_.end(); ++fault) {
-    if (fault->kind == FaultKind::kPush) {
-      push(fault->amount);
-    } else if (fault->kind == FaultKind::kOdometryReset) {
-      odometry_.reset();
-    } else {
-      started_faults_.push_back(*fault);
-    }
-    outputs.started_faults.push_back(*fault);
-  }
-  waiting_faults_.erase(started, waiting_faults_.end());
-}
-
-/// As far to the side as there is room.
-void Simulation::push(double left_m) {
-  constexpr int kTries = 10;
-  const Pose2 before = toPose2(physics_.worldFromBase());
-  for (int i = kTries; i > 0; --i) {
-    try {
-      physics_.setPose(before * Pose2{0.0, left_m * i / kTries, 0.0});
-      return;
-    } catch (const std::invalid_argument&) {
-      continue;  // a solid is in the way
-    }
-  }
-}
-
-/// The fault of this kind that holds now and started last; null if there is none.
-const Fault* Simulation::activeFault(FaultKind kind) const {
-  const double now_s = static_cast<double>(now_ns_ - kStart_ns) * 1e-9;
-  for (auto fault = started_faults_.rbegin(); fault != started_faults_.rend(); ++fault) {
-    if (fault->kind == kind && now_s < fault->start_s + fault->duration_s) return &*fault;
-  }
-  return nullptr;
 }
 
 OdometryReading Simulation::readOdometry() {
@@ -210,6 +182,10 @@ WheelValues Simulation::encoderAngles_rad() {
   for (std::size_t i = 0; i < robot_.wheels.size(); ++i) {
     const double turned_rad = angles[i] - true_angles_rad_[i];
     if (slip) encoder_error_rad_[i] += slip->amount * turned_rad;
+    const Fault* own_slip =
+        i < 2 ? activeFault(i == 0 ? FaultKind::kLeftWheelSlip : FaultKind::kRightWheelSlip)
+              : nullptr;
+    if (own_slip) encoder_error_rad_[i] += own_slip->amount * turned_rad;
     if (activeFault(i == 0 ? FaultKind::kLeftEncoderDead : FaultKind::kRightEncoderDead) && i < 2)
       encoder_error_rad_[i] -= turned_rad;
     true_angles_rad_[i] = angles[i];
@@ -218,20 +194,8 @@ WheelValues Simulation::encoderAngles_rad() {
   return angles;
 }
 
-void Simulation::maskSector(Scan& scan) const {
-  const Fault* sector = activeFault(FaultKind::kScanSector);
-  if (!sector) return;
-  const LidarParameters& lidar = parameters_.lidar;
-  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-    const double bearing_rad =
-        lidar.angle_min_rad + static_cast<double>(beam) * lidar.angleIncrement_rad();
-    if (bearing_rad >= sector->angle_min_rad && bearing_rad <= sector->angle_max_rad) {
-      scan.ranges_m[beam] = -std::numeric_limits<float>::infinity();
-    }
-  }
-}
-
 void Simulation::setPose(const Pose2& world_from_base) {
+  if (!actors_.empty()) physics_.setObstacles(actors_.solids());  // those there, not those here
   physics_.setPose(world_from_base);
   drive_.stop();
   commanded_ = {};
@@ -245,6 +209,39 @@ GroundTruth Simulation::groundTruth() const {
   truth.linear_velocity_mps = base_from_world * physics_.linearVelocity_mps();
   truth.angular_velocity_radps = base_from_world * physics_.angularVelocity_radps();
   return truth;
+}
+
+std::vector<Solid> Simulation::chassis() const {
+  std::vector<Solid> shapes = robot_.chassis_shapes;
+  for (Solid& shape : shapes)
+    shape.world_from_solid = physics_.worldFromBase() * shape.world_from_solid;
+  return shapes;
+}
+
+Footprint Simulation::footprint() const {
+  const Pose2 pose = toPose2(physics_.worldFromBase());
+  return {{pose.x_m, pose.y_m}, radius_m_};
+}
+
+void Simulation::setOthers(std::vector<Solid> shapes, std::vector<Footprint> footprints) {
+  actors_.setGuests(std::move(shapes));
+  others_ = std::move(footprints);
+}
+
+/// People, doors and other robots go on, and what of them is near enough can be touched.
+void Simulation::moveActors() {
+  constexpr double kNear_m = 1.0;
+  const Footprint own = footprint();
+  std::vector<Footprint> robots = others_;
+  robots.push_back(own);
+  if (!actors_.advance(now_s(), robots)) return;
+  std::vector<Solid> near;
+  for (const Solid& solid : actors_.solids()) {
+    const double distance_m =
+        (solid.world_from_solid.translation().head<2>() - own.center_m).norm();
+    if (distance_m < own.radius_m + 0.5 * solid.size_m.norm() + kNear_m) near.push_back(solid);
+  }
+  physics_.setObstacles(near);
 }
 
 }  // namespace ramscout_sim

@@ -426,6 +426,16 @@ TEST(Lidar, PresetsAreTheDataSheets) {
   EXPECT_NEAR(read("{preset: urg_04lx}").angleIncrement_rad(), 2.0 * M_PI / 1024.0, 1e-12);
   EXPECT_NEAR(read("{preset: urg_04lx}").sweep_s(), 0.0665, 1e-4);
   EXPECT_NEAR(read("{preset: sick_lms}").angleIncrement_rad(), 0.5 * M_PI / 180.0, 1e-12);
+  EXPECT_EQ(read("{preset: sick_lms}").beams, 361);
+  EXPECT_EQ(read("{preset: sick_lms_180}").beams, 180);
+  EXPECT_NEAR(read("{preset: sick_lms_180}").angleIncrement_rad(), M_PI / 180.0, 1e-12);
+  EXPECT_NEAR(read("{preset: sick_lms_180}").angle_min_rad, -M_PI_2, 1e-12);
+  EXPECT_NEAR(read("{preset: utm_30lx}").sweep_s(), 0.01875, 1e-6);
+  EXPECT_NEAR(read("{preset: urg_04lx}").scan_rate_hz, 10.0, 1e-12);
+  // A turn without its end: the last beam is one increment before the first.
+  const LidarParameters round = read("{preset: rplidar_a2}");
+  EXPECT_NEAR(round.angle_max_rad + round.angleIncrement_rad() - round.angle_min_rad, 2.0 * M_PI,
+              1e-12);
   EXPECT_NEAR(read("{preset: rplidar_a2}").angleIncrement_rad(), M_PI / 180.0, 1e-12);
   EXPECT_EQ(read("{preset: sick_lms, range_max_m: 8.0}").range_max_m, 8.0);
   EXPECT_THROW(read("{preset: velodyne}"), std::invalid_argument);

@@ -50,8 +50,8 @@ struct LidarParameters {
   double sweep_s() const { return time_increment_s * (beams - 1); }
 };
 
-/// Reads key `preset` (utm_30lx, urg_04lx, sick_lms, rplidar_a2), then every other key as in
-/// LidarParameters, which overrides the preset.
+/// Reads key `preset` (utm_30lx, urg_04lx, sick_lms, sick_lms_180, rplidar_a2), then every other
+/// key as in LidarParameters, which overrides the preset.
 LidarParameters readLidarParameters(ram_parameters::ParameterReader& reader);
 
 /// What the lidar measured; beam i points to angle_min_rad + i * angleIncrement_rad().

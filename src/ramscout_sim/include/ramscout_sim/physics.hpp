@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -38,7 +39,7 @@ public:
   Physics& operator=(Physics&&) noexcept;
 
   /// Advances by `duration_s`; the motors try to turn the wheels as told, within their torque;
-  /// steering follows at once. \throws std::runtime_error if the result is not finite; the
+  /// steering follows at once. \throws std::runtime_error if the result is absurd; the
   /// simulation must not go on then
   void step(double duration_s, const WheelMotion& motion);
 
@@ -59,6 +60,13 @@ public:
   /// Coulomb friction between wheels and floor from now on. \throws std::invalid_argument if it is
   /// negative or not finite
   void setFloorFriction(double friction);
+
+  /// A force on the chassis, at its centre of mass, in world axes, from now on.
+  void setPush(const Eigen::Vector3d& force_n);
+
+  /// Solids besides the world's that the chassis collides with from now on (boxes, cylinders,
+  /// spheres). They stand still as far as a contact is concerned, and do not push.
+  void setObstacles(const std::vector<Solid>& solids);
 
   /// Puts the robot there, at rest; wheel angles stay.
   /// \throws std::invalid_argument if it is not finite or inside a solid; nothing changes then

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ramscout_sim/actors.hpp"
 #include "ramscout_sim/drive.hpp"
 #include "ramscout_sim/faults.hpp"
 #include "ramscout_sim/lidar.hpp"
@@ -47,12 +48,19 @@ struct GroundTruth {
   Eigen::Vector3d angular_velocity_radps = Eigen::Vector3d::Zero();  ///< base axes
 };
 
+/// A fault that was due but impossible, such as a kidnapping into a wall; nothing has changed then.
+struct RefusedFault {
+  Fault fault;
+  std::string reason;
+};
+
 /// What became due in one step.
 struct Outputs {
   std::optional<OdometryReading> odometry;
   std::optional<GroundTruth> ground_truth;  ///< together with the odometry
   std::optional<Scan> scan;
   std::vector<Fault> started_faults;
+  std::vector<RefusedFault> refused_faults;
 };
 
 /// Robot, lidar and world, advanced step by step. Same parameters, commands and seed: same outputs,
@@ -82,10 +90,16 @@ public:
   void setPose(const Pose2& world_from_base);
 
   /// Lets something go wrong, now (start_s in the past) or later.
-  /// \throws std::invalid_argument from Fault::validate
+  /// \throws std::invalid_argument from Fault::validate; or because it is due and impossible
   void inject(const Fault& fault);
 
+  /// Other robots: shapes that this one sees and meets, and what people stop for.
+  void setOthers(std::vector<Solid> shapes, std::vector<Footprint> footprints);
+
   std::int64_t now_ns() const { return now_ns_; }
+  /// Shapes of the chassis, where they are now.
+  std::vector<Solid> chassis() const;
+  Footprint footprint() const;
   GroundTruth groundTruth() const;
   /// Share of the tour that is driven; 0 without a tour.
   double tourProgress() const { return driver_ ? driver_->progress() : 0.0; }
@@ -93,7 +107,15 @@ public:
 
 private:
   Twist2 wantedTwist();
+  double now_s() const { return static_cast<double>(now_ns_ - kStart_ns) * 1e-9; }
+  void moveActors();
   void startFaults(Outputs& outputs);
+  void begin(const Fault& fault);
+  void beginLift(const Fault& fault);
+  void endLift(Outputs& outputs);
+  void addPerson(const Fault& fault);
+  void applyForces();
+  Eigen::Isometry3d worldFromLaser() const;
   void push(double left_m);
   const Fault* activeFault(FaultKind kind) const;
   WheelValues encoderAngles_rad();
@@ -106,6 +128,9 @@ private:
   RobotDescription robot_;  // nominal
   RayCaster ray_caster_;
   Physics physics_;
+  Actors actors_;
+  std::vector<Footprint> others_;
+  double radius_m_ = 0.0;  // of the chassis, about the base
   WheelOdometry odometry_;
   Drive drive_;
   WheelMotion wheel_motion_;
@@ -121,6 +146,10 @@ private:
   std::int64_t next_drive_ns_ = 0;
   std::vector<Fault> waiting_faults_;
   std::vector<Fault> started_faults_;
+  std::vector<Fault> begun_at_once_;  // not reported yet
+  std::optional<Fault> lift_;
+  bool forced_ = false;  // friction or push are not the world's
+  double floor_friction_ = 0.0;
   WheelValues true_angles_rad_ = {};
   WheelValues encoder_error_rad_ = {};  // what faults have made the encoders count too much
   SensorPath recent_path_;              // back to the start of the scan that is under way
