@@ -17,7 +17,10 @@ constexpr double kSmallestCosIncidence = 0.05;
 }  // namespace
 
 double LineFit::noiseVariance(double prior_m2) const {
-  return (kPriorPoints * prior_m2 + residual_m2) / (kPriorPoints + std::max(count - 2, 0));
+  const double freedom = std::max(count - 2, 0);
+  const double all = kPriorPoints + freedom;
+  // Second order: the mean of 1 / estimate is that of 1 / variance.
+  return (kPriorPoints * prior_m2 + residual_m2) / all * (1.0 + 2.0 * freedom / (all * all));
 }
 
 Contour::Contour(std::vector<Eigen::Vector2d> points_m, bool closed)

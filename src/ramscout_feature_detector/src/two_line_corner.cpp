@@ -22,14 +22,17 @@ constexpr std::array kLegLengthsM = {0.1, 0.2, 0.4, 0.8};
 constexpr double kContinuationSigmas = 4.0;
 /// Shorter lines than this many standard deviations of the range have no direction.
 constexpr double kShortestLineSigmas = 10.0;
+constexpr std::size_t kBendSplits = 8;
+/// Chi square (2 dof) exceeded once in 1100 straight legs.
+constexpr double kBendSignificance = 14.0;
 constexpr double kStraightSigmas = 1.2;
 constexpr double kUnseenSpacings = 2.0;
 constexpr double kUnseenSigmas = 4.0;
 constexpr double kMarginSigmas = 3.0;
 constexpr double kSmallestSinOpening = 0.1;
 constexpr double kSmallestCosIncidence = 0.3;
-/// What the model of two straight lines leaves out (1 mm).
-constexpr double kModelVarianceM2 = 1e-6;
+/// What the model of two straight lines leaves out (0.5 mm), such as readings in steps of 1 mm.
+constexpr double kModelVarianceM2 = 2.5e-7;
 constexpr double kOrientationModelVarianceRad2 = 1e-5;
 
 Eigen::Vector2d normalOf(const LineFit& line) {
@@ -108,12 +111,20 @@ bool isStraight(const LineFit& line, const FeatureDetectorParameters& parameters
          sigma_m * sigma_m * (freedom + kContinuationSigmas * std::sqrt(2.0 * freedom));
 }
 
-/// Whether the points by which `longer` exceeds `line` lie on the same line: chi square of the
-/// added distances.
-bool isContinued(const LineFit& line, const LineFit& longer, double prior_m2) {
-  const double added = longer.count - line.count;
-  return longer.residual_m2 - line.residual_m2 <=
-         line.noiseVariance(prior_m2) * (added + kContinuationSigmas * std::sqrt(2.0 * added));
+/// Whether two lines, meeting anywhere, explain the points first..last better than one does by more
+/// than noise accounts for: a likelihood ratio test, far more sensitive to a bend near the end than
+/// the size of the residuals is.
+bool isBent(const Contour& contour, std::size_t first, std::size_t last, double noise_m2) {
+  const double whole_m2 = contour.residual_m2(first, last);
+  const std::size_t count = last - first + 1;
+  for (std::size_t i = 1; i < kBendSplits; ++i) {
+    const std::size_t split = first + i * count / kBendSplits;
+    if (split + 1 < first + kSmallestLegPoints || last < split + kSmallestLegPoints) continue;
+    const double parts_m2 =
+        contour.residual_m2(first, split) + contour.residual_m2(split + 1, last);
+    if (whole_m2 - parts_m2 > kBendSignificance * noise_m2) return true;
+  }
+  return false;
 }
 
 /// A straight run of points of the contour.
@@ -147,8 +158,8 @@ std::optional<Leg> longestLeg(const Contour& contour,
     if (length_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
     const auto leg = legOf(contour, split, before, length_m);
     if (!leg) continue;
-    if (longest &&
-        !isContinued(longest->line, leg->line, expectedNoise(longest->line, parameters))) {
+    if (longest && isBent(contour, leg->first, leg->last,
+                          longest->line.noiseVariance(expectedNoise(longest->line, parameters)))) {
       break;
     }
     if (!isStraight(leg->line, parameters)) break;

@@ -18,7 +18,8 @@ struct LineFit {
   double residual_m2 = 0.0;      ///< sum of squared distances from the line
 
   /// Variance of one point's distance from the line [m^2]: measured, with the sensor's variance as
-  /// a prior that counts as much as eight points.
+  /// a prior that counts as much as eight points; so that normalised squared errors have the right
+  /// mean although the variance is itself an estimate.
   double noiseVariance(double prior_m2) const;
   /// Variance of the direction's angle [rad^2] for points of that noise.
   double angleVariance(double noise_m2) const { return noise_m2 / spread_m2; }
