@@ -14,12 +14,6 @@ constexpr double kFarthestFromSurfaceM = 0.15;
 constexpr double kFarthestPeakPixels = 5.0;
 constexpr double kSignificantOnOneLevel = 25.0;
 
-/// A corner and the levels that speak for it, one bit each.
-struct Candidate {
-  Corner corner;
-  std::uint32_t levels = 0;
-};
-
 bool isCertain(const Eigen::Matrix2d& covariance_m2, const FeatureDetectorParameters& parameters) {
   if (covariance_m2.cwiseAbs().maxCoeff() > parameters.covariance_limit) return false;
   const double mean = 0.5 * covariance_m2.trace();
@@ -33,32 +27,6 @@ bool agrees(const ResponsePeak& peak,
             const FeatureDetectorParameters& parameters) {
   const double ppm = std::ldexp(parameters.ppm, -peak.level);
   return (peak.point_m - lines.position_m).norm() * ppm <= kFarthestPeakPixels;
-}
-
-bool onEnoughLevels(const Candidate& candidate, const FeatureDetectorParameters& parameters) {
-  if (candidate.levels == 0) return false;
-  return parameters.scale_levels == 1 || (candidate.levels & (candidate.levels >> 1)) != 0 ||
-         candidate.corner.lines.significance >= kSignificantOnOneLevel;
-}
-
-void merge(const TwoLineCorner& lines,
-           const ResponsePeak& peak,
-           const FeatureDetectorParameters& parameters,
-           std::vector<Candidate>& candidates) {
-  auto same = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
-    return candidate.corner.lines.split == lines.split;
-  });
-  if (same == candidates.end()) {
-    candidates.push_back({});
-    same = candidates.end() - 1;
-    same->corner.lines = lines;
-  }
-  if (peak.cornerness >= parameters.corner_threshold) same->levels |= 1U << peak.level;
-  if (peak.cornerness > same->corner.cornerness) {
-    same->corner.cornerness = peak.cornerness;
-    same->corner.response = peak.min_eigenvalue;
-    same->corner.level = peak.level;
-  }
 }
 
 void sortStrongestFirst(std::vector<Corner>& corners) {
@@ -80,35 +48,69 @@ bool isAdmissible(const TwoLineCorner& corner,
          isCertain(corner.covariance_m2, parameters);
 }
 
-std::vector<Corner> selectCorners(const Contour& contour,
-                                  const std::vector<ResponsePeak>& peaks,
-                                  const FeatureDetectorParameters& parameters) {
-  std::vector<Candidate> candidates;
-  for (const ResponsePeak& peak : peaks) {
-    const std::size_t nearest = contour.nearest(peak.point_m);
-    if ((contour[nearest] - peak.point_m).norm() > kFarthestFromSurfaceM) continue;
-    const auto lines = fitCorner(contour, nearest, parameters);
-    if (lines && agrees(peak, *lines, parameters) && isAdmissible(*lines, contour, parameters)) {
-      merge(*lines, peak, parameters, candidates);
-    }
+const std::optional<TwoLineCorner>& CornerCollection::linesAt(std::size_t near_index) {
+  static const std::optional<TwoLineCorner> none;
+  const auto split = findSplit(contour_, near_index);
+  if (!split) return none;
+  const auto known = lines_.find(*split);
+  if (known != lines_.end()) return known->second;
+  auto lines = fitCorner(contour_, *split, parameters_);
+  if (lines && !isAdmissible(*lines, contour_, parameters_)) lines.reset();
+  return lines_.emplace(*split, lines).first->second;
+}
+
+void CornerCollection::add(const ResponsePeak& peak) {
+  if (peak.cornerness < parameters_.corner_threshold) return;
+  const std::size_t nearest = contour_.nearest(peak.point_m);
+  if ((contour_[nearest] - peak.point_m).norm() > kFarthestFromSurfaceM) return;
+  const auto& lines = linesAt(nearest);
+  if (!lines || !agrees(peak, *lines, parameters_)) return;
+  auto same = std::find_if(candidates_.begin(), candidates_.end(), [&](const auto& candidate) {
+    return candidate.corner.lines.split == lines->split;
+  });
+  if (same == candidates_.end()) {
+    candidates_.push_back({{*lines, peak.level}, 0});
+    same = candidates_.end() - 1;
   }
+  same->levels |= 1U << peak.level;
+  Corner& corner = same->corner;
+  if (peak.level < corner.level ||
+      (peak.level == corner.level && peak.min_eigenvalue > corner.response)) {
+    corner.level = peak.level;
+    corner.response = peak.min_eigenvalue;
+    corner.cornerness = peak.cornerness;
+  }
+}
+
+bool CornerCollection::isAccepted(const Candidate& candidate) const {
+  return parameters_.scale_levels == 1 || (candidate.levels & (candidate.levels >> 1)) != 0 ||
+         candidate.corner.lines.significance >= kSignificantOnOneLevel;
+}
+
+bool CornerCollection::isSettled(std::size_t split) const {
+  return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
+    return candidate.corner.lines.split == split && isAccepted(candidate);
+  });
+}
+
+std::vector<Corner> CornerCollection::select() const {
   std::vector<Corner> corners;
   double best = 0.0;
-  for (const Candidate& candidate : candidates) {
-    if (!onEnoughLevels(candidate, parameters)) continue;
+  for (const Candidate& candidate : candidates_) {
+    if (!isAccepted(candidate)) continue;
     corners.push_back(candidate.corner);
     best = std::max(best, candidate.corner.response);
   }
-  if (parameters.relative_threshold) {
+  if (parameters_.relative_threshold) {
     corners.erase(std::remove_if(corners.begin(), corners.end(),
                                  [&](const Corner& corner) {
-                                   return corner.response < parameters.feature_threshold * best;
+                                   return corner.response < parameters_.feature_threshold * best;
                                  }),
                   corners.end());
   }
-  corners = suppressNeighbours(std::move(corners), parameters.feature_distance);
-  if (corners.size() > static_cast<std::size_t>(parameters.max_features)) {
-    corners.resize(parameters.max_features);
+  corners = suppressNeighbours(std::move(corners), parameters_.feature_distance);
+  if (corners.size() > static_cast<std::size_t>(parameters_.max_features)) {
+    corners.resize(parameters_.max_features);
   }
   return corners;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_feature_detector/feature_detector.hpp"
 
-#include <algorithm>
+#include <set>
 #include <stdexcept>
 
 #include "ramscout_feature_detector/corner_response.hpp"
@@ -13,34 +13,24 @@
 namespace ramscout_feature_detector {
 namespace {
 
-/// The places on a contour where the image function is worth evaluating: admissible crossings of
-/// two lines.
-std::vector<Eigen::Vector2d> promisingPlaces(const Contour& contour,
-                                             const FeatureDetectorParameters& parameters) {
-  std::vector<Eigen::Vector2d> places_m;
-  std::vector<std::size_t> splits;
-  for (const std::size_t candidate : findCandidates(contour, parameters)) {
-    const auto lines = fitCorner(contour, candidate, parameters);
-    if (!lines || !isAdmissible(*lines, contour, parameters)) continue;
-    if (std::find(splits.begin(), splits.end(), lines->split) != splits.end()) continue;
-    splits.push_back(lines->split);
-    places_m.push_back(lines->position_m);
-  }
-  return places_m;
-}
-
+/// The image function is evaluated only at admissible crossings of two lines, and from the finest
+/// level on only until the matter is settled.
 std::vector<Corner> cornersOf(const Contour& contour, const FeatureDetectorParameters& parameters) {
-  const std::vector<Eigen::Vector2d> places_m = promisingPlaces(contour, parameters);
-  if (places_m.empty()) return {};
-  const auto polyline_m = extrapolate(contour, parameters.extrapolation_distance);
-  std::vector<ResponsePeak> peaks;
-  for (const Eigen::Vector2d& place_m : places_m) {
+  CornerCollection collection(contour, parameters);
+  std::vector<Eigen::Vector2d> polyline_m;
+  std::set<std::size_t> seen;
+  for (const std::size_t candidate : findCandidates(contour, parameters)) {
+    const auto& lines = collection.linesAt(candidate);
+    if (!lines || !seen.insert(lines->split).second) continue;
+    if (polyline_m.empty()) polyline_m = extrapolate(contour, parameters.extrapolation_distance);
     for (int level = 0; level < parameters.scale_levels; ++level) {
-      const auto found = findResponsePeaks(polyline_m, place_m, level, parameters);
-      peaks.insert(peaks.end(), found.begin(), found.end());
+      for (const auto& peak : findResponsePeaks(polyline_m, lines->position_m, level, parameters)) {
+        collection.add(peak);
+      }
+      if (collection.isSettled(lines->split)) break;
     }
   }
-  return selectCorners(contour, peaks, parameters);
+  return collection.select();
 }
 
 ram_slam::Feature toFeature(const Corner& corner,

@@ -7,6 +7,8 @@
 
 #include "ram_slam/pose2.hpp"
 
+#include "wide_registers.hpp"
+
 namespace ramscout_feature_detector {
 namespace {
 
@@ -29,10 +31,14 @@ int countBits(std::uint64_t bits) {
   return static_cast<int>(std::bitset<64>(bits).count());
 }
 
+constexpr int kSamplesPerCell = kSamplesPerSide * kSamplesPerSide;
+constexpr int kSamples = PolarGrid::kCells * kSamplesPerCell;
+using Values = std::array<double, kSamples>;
+
 /// Sample points of all cells relative to a corner at the origin with its bisector along x, cell by
 /// cell.
 struct Samples {
-  std::array<Eigen::Vector2d, PolarGrid::kCells * kSamplesPerSide * kSamplesPerSide> points_m;
+  Values x_m, y_m;
   std::array<double, PolarGrid::kRings> half_pitch_m;
 };
 
@@ -43,13 +49,13 @@ Samples makeSamples() {
   for (int ring = 0; ring < PolarGrid::kRings; ++ring) {
     samples.half_pitch_m[ring] = 0.5 * ring_m / kSamplesPerSide;
     for (int sector = 0; sector < PolarGrid::kSectors; ++sector) {
-      for (int i = 0; i < kSamplesPerSide * kSamplesPerSide; ++i) {
+      for (int i = 0; i < kSamplesPerCell; ++i) {
         const double radius_m = PolarGrid::kInnerRadiusM +
                                 ring_m * (ring + (i / kSamplesPerSide + 0.5) / kSamplesPerSide);
         const double angle_rad = 2.0 * M_PI / PolarGrid::kSectors *
                                  (sector + (i % kSamplesPerSide + 0.5) / kSamplesPerSide - 0.5);
-        samples.points_m[next++] =
-            radius_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad));
+        samples.x_m[next] = radius_m * std::cos(angle_rad);
+        samples.y_m[next++] = radius_m * std::sin(angle_rad);
       }
     }
   }
@@ -61,41 +67,70 @@ const Samples& samplePoints() {
   return samples;
 }
 
-/// atan2 within 2e-8 (Abramowitz & Stegun, Handbook of Mathematical Functions, 4.4.49), in a third
-/// of the time.
-double bearingOf(const Eigen::Vector2d& place_m) {
-  const double x = std::abs(place_m.x());
-  const double y = std::abs(place_m.y());
-  const double largest = std::max(x, y);
-  if (!(largest > 0.0)) return 0.0;
-  const double t = std::min(x, y) / largest;
+/// atan2 within 2e-8 (Abramowitz & Stegun, Handbook of Mathematical Functions, 4.4.49), in a form
+/// that compilers vectorise.
+inline double bearingOf(double x, double y) {
+  const double across = std::abs(x);
+  const double up = std::abs(y);
+  const double largest = std::max(std::max(across, up), 1e-300);
+  const double t = std::min(across, up) / largest;
   const double t2 = t * t;
   double angle_rad = 0.0028662257;
-  for (const double coefficient : {-0.0161657367, 0.0429096138, -0.0752896400, 0.1065626393,
-                                   -0.1420889944, 0.1999355085, -0.3333314528, 1.0}) {
-    angle_rad = angle_rad * t2 + coefficient;
+  angle_rad = angle_rad * t2 - 0.0161657367;
+  angle_rad = angle_rad * t2 + 0.0429096138;
+  angle_rad = angle_rad * t2 - 0.0752896400;
+  angle_rad = angle_rad * t2 + 0.1065626393;
+  angle_rad = angle_rad * t2 - 0.1420889944;
+  angle_rad = angle_rad * t2 + 0.1999355085;
+  angle_rad = angle_rad * t2 - 0.3333314528;
+  angle_rad = (angle_rad * t2 + 1.0) * t;
+  angle_rad = up > across ? M_PI_2 - angle_rad : angle_rad;
+  angle_rad = x < 0.0 ? M_PI - angle_rad : angle_rad;
+  return std::copysign(angle_rad, y);
+}
+
+/// Where the samples around a corner lie in a scan.
+struct Polar {
+  Values range_m;
+  Values beam;  ///< counted from the first, not yet rounded
+};
+
+RAMSCOUT_WIDE_REGISTERS
+Polar toPolar(const ram_slam::Pose2& laser_from_corner,
+              double angle_min_rad,
+              double angle_increment_rad) {
+  const Samples& samples = samplePoints();
+  const double c = std::cos(laser_from_corner.yaw_rad);
+  const double s = std::sin(laser_from_corner.yaw_rad);
+  const double x_m = laser_from_corner.x_m;
+  const double y_m = laser_from_corner.y_m;
+  Polar polar;
+  for (int i = 0; i < kSamples; ++i) {
+    const double x = x_m + c * samples.x_m[i] - s * samples.y_m[i];
+    const double y = y_m + s * samples.x_m[i] + c * samples.y_m[i];
+    polar.range_m[i] = std::sqrt(x * x + y * y);
+    polar.beam[i] = (bearingOf(x, y) - angle_min_rad) / angle_increment_rad;
   }
-  angle_rad *= t;
-  if (y > x) angle_rad = M_PI_2 - angle_rad;
-  if (place_m.x() < 0.0) angle_rad = M_PI - angle_rad;
-  return place_m.y() < 0.0 ? -angle_rad : angle_rad;
+  return polar;
 }
 
 /// What one scan says about one place.
 enum class Vote { kNone, kFree, kOccupied };
 
-Vote vote(const Eigen::Vector2d& place_m, double half_pitch_m, const ram_slam::LaserScan& scan) {
-  const double offset = (bearingOf(place_m) - scan.angle_min_rad) / scan.angle_increment_rad;
-  double beam = std::floor(offset + 0.5);
+/// \param beams_per_turn  also if the scan has fewer
+Vote vote(double range_m,
+          double offset,
+          double beams_per_turn,
+          double half_pitch_m,
+          const ram_slam::LaserScan& scan) {
   const auto count = static_cast<double>(scan.ranges_m.size());
-  if (!(beam >= 0.0 && beam < count)) {
+  offset += 0.5;
+  if (!(offset >= 0.0 && offset < count)) {
     // The same direction counted in another turn.
-    const double turn = std::abs(2.0 * M_PI / scan.angle_increment_rad);
-    beam = std::floor(offset - turn * std::floor(offset / turn) + 0.5);
-    if (!(beam >= 0.0 && beam < count)) return Vote::kNone;
+    offset = offset - 0.5 - beams_per_turn * std::floor((offset - 0.5) / beams_per_turn) + 0.5;
+    if (!(offset >= 0.0 && offset < count)) return Vote::kNone;
   }
-  const auto index = static_cast<std::size_t>(beam);
-  const double range_m = place_m.norm();
+  const auto index = static_cast<std::size_t>(offset);
   switch (scan.at(index)) {
     case ram_slam::Return::kHit: {
       const double beyond_m = range_m - scan.ranges_m[index];
@@ -121,18 +156,19 @@ PolarGrid::Cell cellOf(int free_votes, int occupied_votes) {
 PolarGrid PolarGrid::around(const Eigen::Vector2d& place_m,
                             double orientation_rad,
                             const ram_slam::LaserScan& scan) {
-  const ram_slam::Pose2 laser_from_corner{place_m.x(), place_m.y(), orientation_rad};
-  const Eigen::Matrix2d rotation = laser_from_corner.rotation();
-  const Samples& samples = samplePoints();
+  const Polar polar = toPolar({place_m.x(), place_m.y(), orientation_rad}, scan.angle_min_rad,
+                              scan.angle_increment_rad);
+  const double beams_per_turn = std::abs(2.0 * M_PI / scan.angle_increment_rad);
   PolarGrid grid;
   std::size_t next = 0;
   for (int ring = 0; ring < kRings; ++ring) {
+    const double half_pitch_m = samplePoints().half_pitch_m[ring];
     for (int sector = 0; sector < kSectors; ++sector) {
       int free_votes = 0;
       int occupied_votes = 0;
-      for (int i = 0; i < kSamplesPerSide * kSamplesPerSide; ++i) {
-        const Eigen::Vector2d sample_m = place_m + rotation * samples.points_m[next++];
-        const Vote said = vote(sample_m, samples.half_pitch_m[ring], scan);
+      for (int i = 0; i < kSamplesPerCell; ++i, ++next) {
+        const Vote said =
+            vote(polar.range_m[next], polar.beam[next], beams_per_turn, half_pitch_m, scan);
         free_votes += said == Vote::kFree ? 1 : 0;
         occupied_votes += said == Vote::kOccupied ? 1 : 0;
       }

@@ -257,9 +257,7 @@ std::vector<std::size_t> findCandidates(const Contour& contour,
   return candidates;
 }
 
-std::optional<TwoLineCorner> fitCorner(const Contour& contour,
-                                       std::size_t near_index,
-                                       const FeatureDetectorParameters& parameters) {
+std::optional<std::size_t> findSplit(const Contour& contour, std::size_t near_index) {
   std::size_t split = near_index;
   for (int i = 0; i < kMostRecentrings; ++i) {
     const std::size_t first = std::min(contour.indexAt(contour.arc_m(split) - kSplitWindowM),
@@ -271,6 +269,12 @@ std::optional<TwoLineCorner> fitCorner(const Contour& contour,
     if (better == split) break;
     split = better;
   }
+  return split;
+}
+
+std::optional<TwoLineCorner> fitCorner(const Contour& contour,
+                                       std::size_t split,
+                                       const FeatureDetectorParameters& parameters) {
   const auto before = longestLeg(contour, split, true, parameters);
   const auto after = longestLeg(contour, split, false, parameters);
   if (!before || !after) return std::nullopt;

@@ -24,7 +24,9 @@ public:
       std::vector<ResponsePeak> peaks;
       for (int level = 0; level < parameters_.scale_levels; ++level)
         addPeaks(contour, level, peaks);
-      const auto selected = selectCorners(contour, peaks, parameters_);
+      CornerCollection collection(contour, parameters_);
+      for (const ResponsePeak& peak : peaks) collection.add(peak);
+      const auto selected = collection.select();
       all.insert(all.end(), selected.begin(), selected.end());
     }
     return suppressNeighbours(std::move(all), parameters_.feature_distance);

@@ -32,13 +32,16 @@ struct TwoLineCorner {
 std::vector<std::size_t> findCandidates(const Contour& contour,
                                         const FeatureDetectorParameters& parameters);
 
-/// The corner of two straight legs nearest to a place: first the best split of the contour around
-/// it, then the longest legs (0.1 to 0.8 m) that are straight, then their crossing with its
-/// covariance.
+/// The last point of the first of the two lines that describe the contour best around a point;
+/// nothing if there are too few points.
+std::optional<std::size_t> findSplit(const Contour& contour, std::size_t near_index);
+
+/// The corner of two straight legs that meet after the point `split`: the longest legs (0.1 to 0.8
+/// m) that are straight, then their crossing with its covariance.
 ///
 /// \return nothing if the contour there does not consist of two straight legs
 std::optional<TwoLineCorner> fitCorner(const Contour& contour,
-                                       std::size_t near_index,
+                                       std::size_t split,
                                        const FeatureDetectorParameters& parameters);
 
 }  // namespace ramscout_feature_detector
