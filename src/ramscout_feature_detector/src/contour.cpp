@@ -70,8 +70,9 @@ Contour::Sums Contour::moments(std::size_t first, std::size_t last) const {
   const Sums& from = sums_[first];
   const Sums& to = sums_[last + 1];
   const auto n = static_cast<double>(last - first + 1);
-  const double x = (to.x - from.x) / n;
-  const double y = (to.y - from.y) / n;
+  const double share = 1.0 / n;
+  const double x = (to.x - from.x) * share;
+  const double y = (to.y - from.y) * share;
   return {x, y, to.xx - from.xx - n * x * x, to.xy - from.xy - n * x * y,
           to.yy - from.yy - n * y * y};
 }
@@ -96,6 +97,19 @@ LineFit Contour::fit(std::size_t first, std::size_t last) const {
   const double norm = axis.norm();
   if (norm > 0.0) line.direction = axis / norm;
   return line;
+}
+
+bool Contour::bendsAt(std::size_t first,
+                      std::size_t middle,
+                      std::size_t last,
+                      double cos_twice) const {
+  // (xx - yy, 2 xy) points to twice the angle of the line's direction.
+  const Sums a = moments(first, middle);
+  const Sums b = moments(middle, last);
+  const double ax = a.xx - a.yy, ay = 2.0 * a.xy, bx = b.xx - b.yy, by = 2.0 * b.xy;
+  const double dot = ax * bx + ay * by;
+  const double bound = cos_twice * std::abs(cos_twice) * (ax * ax + ay * ay) * (bx * bx + by * by);
+  return dot * std::abs(dot) <= bound;
 }
 
 LineFit Contour::refine(LineFit line, std::size_t first, std::size_t last) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_feature_detector/corner_response.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -19,22 +20,31 @@ constexpr int kResponses = 2 * (kSearchRadius + 1) + 1;  // a maximum needs neig
 constexpr int kGradients = kResponses + 2 * kWindowRadius;
 static_assert(kResponses == kResponsePixels);
 static_assert(kPatchPixels == kGradients + 2, "a gradient needs neighbours");
+// Loops run over whole registers of the processor; what they compute beyond is not used.
+constexpr int kGradientColumns = 40;
+constexpr int kResponseColumns = 24;
+constexpr int kPaddedColumns = 48;
+static_assert(kGradientColumns >= kGradients && kGradientColumns + 2 <= kPatchColumns);
+static_assert(kResponseColumns >= kResponses);
+static_assert(kPaddedColumns >= kResponseColumns + 2 * kWindowRadius);
+using Products = Grid<kGradients, kPaddedColumns>;
+using Responses = Grid<kResponses, kResponseColumns>;
 
 /// Products of the gradient's components: [[xx, xy], [xy, yy]] summed over a window is the
 /// structure tensor.
 struct GradientProducts {
-  Grid<kGradients, kGradients> xx, xy, yy;
+  Products xx, xy, yy;
 };
 
 /// Scharr / 32 gradients.
 RAMSCOUT_WIDE_REGISTERS
 GradientProducts gradientProducts(const ImagePatch& image) {
-  GradientProducts g;
+  GradientProducts g{};
   for (int row = 0; row < kGradients; ++row) {
     const auto& up = image[row];
     const auto& here = image[row + 1];
     const auto& down = image[row + 2];
-    for (int i = 0; i < kGradients; ++i) {
+    for (int i = 0; i < kGradientColumns; ++i) {
       const float x =
           (3.0F * (up[i + 2] - up[i] + down[i + 2] - down[i]) + 10.0F * (here[i + 2] - here[i])) /
           32.0F;
@@ -68,40 +78,42 @@ const Window& window() {
 
 /// Gaussian mean of the products around every pixel that has a whole window.
 RAMSCOUT_WIDE_REGISTERS
-Grid<kResponses, kResponses> smooth(const Grid<kGradients, kGradients>& products) {
+Responses smooth(const Products& products) {
   const Window& w = window();
   constexpr int kLast = 2 * kWindowRadius;
-  Grid<kResponses, kGradients> columns;
+  Grid<kResponses, kPaddedColumns> columns{};
   for (int row = 0; row < kResponses; ++row) {
     float* sum = columns[row].data();
     const float* middle = products[row + kWindowRadius].data();
-    for (int i = 0; i < kGradients; ++i) sum[i] = w[kWindowRadius] * middle[i];
+    for (int i = 0; i < kGradientColumns; ++i) sum[i] = w[kWindowRadius] * middle[i];
     for (int k = 0; k < kWindowRadius; ++k) {  // the window is symmetric
       const float* above = products[row + k].data();
       const float* below = products[row + kLast - k].data();
-      for (int i = 0; i < kGradients; ++i) sum[i] += w[k] * (above[i] + below[i]);
+      for (int i = 0; i < kGradientColumns; ++i) sum[i] += w[k] * (above[i] + below[i]);
     }
   }
-  Grid<kResponses, kResponses> result;
+  Responses result;
   for (int row = 0; row < kResponses; ++row) {
     float* sum = result[row].data();
     const float* line = columns[row].data();
-    for (int i = 0; i < kResponses; ++i) sum[i] = w[kWindowRadius] * line[i + kWindowRadius];
+    for (int i = 0; i < kResponseColumns; ++i) sum[i] = w[kWindowRadius] * line[i + kWindowRadius];
     for (int k = 0; k < kWindowRadius; ++k) {
-      for (int i = 0; i < kResponses; ++i) sum[i] += w[k] * (line[i + k] + line[i + kLast - k]);
+      for (int i = 0; i < kResponseColumns; ++i)
+        sum[i] += w[k] * (line[i + k] + line[i + kLast - k]);
     }
   }
   return result;
 }
 
 struct Tensors {
-  Grid<kResponses, kResponses> xx, xy, yy, min_eigenvalue;
+  Responses xx, xy, yy, min_eigenvalue;
 };
 
+RAMSCOUT_WIDE_REGISTERS
 Tensors structureTensors(const GradientProducts& g) {
   Tensors t{smooth(g.xx), smooth(g.xy), smooth(g.yy), {}};
   for (int row = 0; row < kResponses; ++row) {
-    for (int i = 0; i < kResponses; ++i) {
+    for (int i = 0; i < kResponseColumns; ++i) {
       const float difference = t.xx[row][i] - t.yy[row][i];
       t.min_eigenvalue[row][i] =
           0.5F * (t.xx[row][i] + t.yy[row][i] -
@@ -112,7 +124,7 @@ Tensors structureTensors(const GradientProducts& g) {
 }
 
 /// Of neighbours that are equal the first one counts.
-bool isLocalMaximum(const Grid<kResponses, kResponses>& response, int row, int column) {
+bool isLocalMaximum(const Responses& response, int row, int column) {
   const float here = response[row][column];
   const auto beats = [here](float before, float after) { return here > before && here >= after; };
   return here > 0.0F && beats(response[row - 1][column - 1], response[row + 1][column + 1]) &&
@@ -150,7 +162,12 @@ std::optional<Eigen::Vector2d> foerstnerOffset(const GradientProducts& g, int ro
 }  // namespace
 
 ResponsePatch cornerResponses(const ImagePatch& image) {
-  return structureTensors(gradientProducts(image)).min_eigenvalue;
+  const Responses responses = structureTensors(gradientProducts(image)).min_eigenvalue;
+  ResponsePatch patch;
+  for (int row = 0; row < kResponsePixels; ++row) {
+    std::copy_n(responses[row].begin(), kResponsePixels, patch[row].begin());
+  }
+  return patch;
 }
 
 std::vector<ResponsePeak> findResponsePeaks(const std::vector<Eigen::Vector2d>& polyline_m,

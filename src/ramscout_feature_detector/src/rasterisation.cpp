@@ -14,6 +14,7 @@ constexpr std::size_t kSmallestTangentPoints = 3;
 
 constexpr float kKernelReach = 3.5F;    // Mahalanobis distance where the kernel ends
 constexpr float kSmallestSigma = 0.7F;  // pixels; narrower kernels alias
+constexpr int kRegisterPixels = 8;
 /// Points closer than this [pixels] to the one drawn before add nothing that the kernel would show.
 constexpr float kSmallestEdge = 0.3F;
 
@@ -60,6 +61,14 @@ int pixelOf(float coordinate) {
   return static_cast<int>(std::floor(coordinate));
 }
 
+/// Widens the columns to whole registers: the kernel is 0 there anyway.
+void fillRegisters(Edge& edge) {
+  const int count = edge.last_column - edge.first_column + 1;
+  const int whole = (count + kRegisterPixels - 1) / kRegisterPixels * kRegisterPixels;
+  edge.first_column = std::min(edge.first_column, kPatchColumns - whole);
+  edge.last_column = edge.first_column + whole - 1;
+}
+
 /// \param a, b  the edge's ends in pixels from the patch's corner
 /// \param laser  the laser in the same coordinates
 Edge makeEdge(const Eigen::Vector2f& a,
@@ -69,14 +78,21 @@ Edge makeEdge(const Eigen::Vector2f& a,
   const Eigen::Vector2f middle = 0.5F * (a + b) - laser;
   const float range = std::max(middle.norm(), 1e-6F);
   const float bearing_sigma = kernel.sigma(range * kernel.angular_sigma);
-  const int reach = std::min(
-      kernel.radius,
-      static_cast<int>(std::ceil(kKernelReach * std::max(kernel.range_sigma, bearing_sigma))));
+  // The kernel is an ellipse along the beam.
+  const Eigen::Vector2f beam = middle / range;
+  const auto reach = [&](float along, float across) {
+    const float extent = std::hypot(along * kernel.range_sigma, across * bearing_sigma);
+    return std::min(kernel.radius, static_cast<int>(std::ceil(kKernelReach * extent)));
+  };
+  const int reach_x = reach(beam.x(), beam.y());
+  const int reach_y = reach(beam.y(), beam.x());
   Edge edge;
-  edge.first_column = std::max(0, pixelOf(std::min(a.x(), b.x())) - reach);
-  edge.last_column = std::min(kPatchPixels - 1, pixelOf(std::max(a.x(), b.x())) + reach);
-  edge.first_row = std::max(0, pixelOf(std::min(a.y(), b.y())) - reach);
-  edge.last_row = std::min(kPatchPixels - 1, pixelOf(std::max(a.y(), b.y())) + reach);
+  edge.first_column = std::max(0, pixelOf(std::min(a.x(), b.x())) - reach_x);
+  edge.last_column = std::min(kPatchColumns - 1, pixelOf(std::max(a.x(), b.x())) + reach_x);
+  edge.first_row = std::max(0, pixelOf(std::min(a.y(), b.y())) - reach_y);
+  edge.last_row = std::min(kPatchPixels - 1, pixelOf(std::max(a.y(), b.y())) + reach_y);
+  const bool whole = reach_x < kernel.radius;
+  if (whole && edge.first_column <= edge.last_column) fillRegisters(edge);
   edge.beam_x = middle.x() / (range * kernel.range_sigma);
   edge.beam_y = middle.y() / (range * kernel.range_sigma);
   edge.side_x = -middle.y() / (range * bearing_sigma);
@@ -104,7 +120,7 @@ void draw(const Edge& edge, ImagePatch& squared) {
     const float along_first = beam_x * x + edge.beam_y * y;
     const float across_first = side_x * x + edge.side_y * y;
     float* line = squared[row].data() + edge.first_column;
-    for (int i = 0; i < count; ++i) {
+    const auto lower = [&](int i) {
       const float step = static_cast<float>(i);
       const float along = along_first + beam_x * step;
       const float across = across_first + side_x * step;
@@ -113,7 +129,12 @@ void draw(const Edge& edge, ImagePatch& squared) {
       const float d_along = along - clamped * edge_along;
       const float d_across = across - clamped * edge_across;
       line[i] = std::min(line[i], d_along * d_along + d_across * d_across);
+    };
+    int i = 0;
+    for (; i + kRegisterPixels <= count; i += kRegisterPixels) {
+      for (int j = 0; j < kRegisterPixels; ++j) lower(i + j);
     }
+    for (; i < count; ++i) lower(i);
   }
 }
 
@@ -156,7 +177,7 @@ ImagePatch rasterise(const std::vector<Eigen::Vector2d>& polyline_m,
     return (ppm * point_m - corner).cast<float>();
   };
   const auto margin = static_cast<float>(parameters.kernel_radius);
-  const float end = kPatchPixels + margin;
+  const float end = kPatchColumns + margin;
 
   ImagePatch patch;
   for (auto& line : patch) line.fill(kKernelReach * kKernelReach);

@@ -66,6 +66,9 @@ double significanceOf(const LineFit& a,
 /// not significant.
 std::vector<double> screen(const Contour& contour, const FeatureDetectorParameters& parameters) {
   std::vector<double> best(contour.size(), 0.0);
+  // Cornerness is 1/2 (1 - |cos(angle)|).
+  const double cosine = 1.0 - 2.0 * kScreenCornernessShare * parameters.corner_threshold;
+  const double cos_twice = 2.0 * cosine * cosine - 1.0;
   for (const double scale_m : kScreenScalesM) {
     if (scale_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
     std::size_t first = 0;
@@ -76,12 +79,9 @@ std::vector<double> screen(const Contour& contour, const FeatureDetectorParamete
         ++last;
       }
       if (i + 1 < first + kSmallestLegPoints || last + 1 < i + kSmallestLegPoints) continue;
-      const LineFit before = contour.fit(first, i);
-      const LineFit after = contour.fit(i, last);
-      if (cornernessOf(before, after) < kScreenCornernessShare * parameters.corner_threshold) {
-        continue;
-      }
-      best[i] = std::max(best[i], significanceOf(before, after, parameters));
+      if (!contour.bendsAt(first, i, last, cos_twice)) continue;
+      best[i] = std::max(best[i],
+                         significanceOf(contour.fit(first, i), contour.fit(i, last), parameters));
     }
   }
   return best;

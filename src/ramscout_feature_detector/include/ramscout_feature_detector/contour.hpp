@@ -52,6 +52,11 @@ public:
   /// Sum of squared distances of the points first..last from that line [m^2].
   double residual_m2(std::size_t first, std::size_t last) const;
 
+  /// Whether the lines through the points first..middle and middle..last differ in direction by at
+  /// least an angle and at most 180 degrees less it; several times faster than fitting them.
+  /// \param cos_twice  cosine of twice the angle
+  bool bendsAt(std::size_t first, std::size_t middle, std::size_t last, double cos_twice) const;
+
   /// The same line without the bias that range noise gives it: noise moves points along their
   /// beams, so not only across the line but along it, too. Regression on the places where the beams
   /// meet the line, weighted for equal noise of all ranges; takes time for every point.

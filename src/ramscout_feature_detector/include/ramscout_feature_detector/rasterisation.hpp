@@ -16,7 +16,9 @@ using Grid = std::array<std::array<float, kColumns>, kRows>;
 
 /// Side of the squares in which the image is computed [pixels].
 inline constexpr int kPatchPixels = 41;
-using ImagePatch = Grid<kPatchPixels, kPatchPixels>;
+/// Its rows are some pixels longer: whole registers of the processor.
+inline constexpr int kPatchColumns = 48;
+using ImagePatch = Grid<kPatchPixels, kPatchColumns>;
 
 /// The contour with its ends prolonged along their tangents, so that the ridge in the image does
 /// not stop where the surface leaves the view: the end of a ridge is itself a corner.
