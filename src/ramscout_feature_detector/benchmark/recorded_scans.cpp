@@ -19,13 +19,14 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include "ram_slam/random.hpp"
 #include "ramscout_feature_detector/corner_matcher.hpp"
 #include "ramscout_feature_detector/edge_detector.hpp"
 #include "ramscout_feature_detector/edge_matcher.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
+
+#include "corrected_log.hpp"
 
 namespace {
 
@@ -41,36 +42,7 @@ struct Recorded {
 
 std::vector<Recorded> readLog(const char* path) {
   std::vector<Recorded> log;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string name;
-    words >> name;
-    Recorded recorded;
-    int count = 0;
-    if (name == "ROBOTLASER1") {
-      double type, field_of_view, max_range, accuracy, remission;
-      words >> type >> recorded.scan.angle_min_rad >> field_of_view >>
-          recorded.scan.angle_increment_rad >> max_range >> accuracy >> remission >> count;
-    } else if (name == "FLASER") {
-      words >> count;
-      recorded.scan.angle_min_rad = -M_PI_2;
-      recorded.scan.angle_increment_rad = M_PI / (count < 200 ? 180.0 : 360.0);
-    } else {
-      continue;
-    }
-    recorded.scan.range_min_m = 0.05F;
-    recorded.scan.range_max_m = 30.0F;
-    recorded.scan.ranges_m.resize(count);
-    for (float& range_m : recorded.scan.ranges_m) words >> range_m;
-    if (name == "ROBOTLASER1") {
-      int remissions = 0;
-      words >> remissions;
-      for (double ignored; remissions > 0; --remissions) words >> ignored;
-    }
-    words >> recorded.pose.x_m >> recorded.pose.y_m >> recorded.pose.yaw_rad;
-    if (words) log.push_back(recorded);
-  }
+  for (auto& [pose, scan] : readCorrectedLog(path)) log.push_back({pose, std::move(scan), {}, {}});
   return log;
 }
 

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kFarthestFromSurfaceM = 0.15;
 constexpr double kFarthestPeakPixels = 5.0;
+constexpr double kSameCornerM = 0.03;
 constexpr double kSignificantOnOneLevel = 25.0;
 
 bool isCertain(const Eigen::Matrix2d& covariance_m2, const FeatureDetectorParameters& parameters) {
@@ -27,6 +28,11 @@ bool agrees(const ResponsePeak& peak,
             const FeatureDetectorParameters& parameters) {
   const double ppm = std::ldexp(parameters.ppm, -peak.level);
   return (peak.point_m - lines.position_m).norm() * ppm <= kFarthestPeakPixels;
+}
+
+/// Two splits some points apart may stand for one corner.
+bool isSame(const TwoLineCorner& a, const TwoLineCorner& b) {
+  return a.split == b.split || (a.position_m - b.position_m).norm() < kSameCornerM;
 }
 
 void sortStrongestFirst(std::vector<Corner>& corners) {
@@ -66,7 +72,7 @@ void CornerCollection::add(const ResponsePeak& peak) {
   const auto& lines = linesAt(nearest);
   if (!lines || !agrees(peak, *lines, parameters_)) return;
   auto same = std::find_if(candidates_.begin(), candidates_.end(), [&](const auto& candidate) {
-    return candidate.corner.lines.split == lines->split;
+    return isSame(candidate.corner.lines, *lines);
   });
   if (same == candidates_.end()) {
     candidates_.push_back({{*lines, peak.level}, 0});
@@ -87,9 +93,9 @@ bool CornerCollection::isAccepted(const Candidate& candidate) const {
          candidate.corner.lines.significance >= kSignificantOnOneLevel;
 }
 
-bool CornerCollection::isSettled(std::size_t split) const {
+bool CornerCollection::isSettled(const TwoLineCorner& lines) const {
   return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
-    return candidate.corner.lines.split == split && isAccepted(candidate);
+    return isSame(candidate.corner.lines, lines) && isAccepted(candidate);
   });
 }
 

@@ -27,7 +27,7 @@ std::vector<Corner> cornersOf(const Contour& contour, const FeatureDetectorParam
       for (const auto& peak : findResponsePeaks(polyline_m, lines->position_m, level, parameters)) {
         collection.add(peak);
       }
-      if (collection.isSettled(lines->split)) break;
+      if (collection.isSettled(*lines)) break;
     }
   }
   return collection.select();

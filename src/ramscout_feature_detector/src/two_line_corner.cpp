@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include <Eigen/LU>
 
@@ -13,7 +14,9 @@ namespace {
 constexpr std::array kScreenScalesM = {0.1, 0.2, 0.4};
 constexpr double kScreenCornernessShare = 0.6;
 constexpr double kScreenSignificanceShare = 0.5;
-constexpr double kScreenSpacingM = 0.1;
+constexpr double kScreenSpacingScales = 0.25;
+/// Splits are searched from here on both sides of a bend, too: clutter has several near by.
+constexpr double kScreenOffsetM = 0.1;
 constexpr std::size_t kSmallestLegPoints = 3;
 
 constexpr double kSplitWindowM = 0.2;
@@ -62,29 +65,48 @@ double significanceOf(const LineFit& a,
                    b.angleVariance(b.noiseVariance(expectedNoise(b, parameters))));
 }
 
-/// Significance of the best scale at every point; 0 where the legs are too short, too straight or
-/// not significant.
-std::vector<double> screen(const Contour& contour, const FeatureDetectorParameters& parameters) {
-  std::vector<double> best(contour.size(), 0.0);
+/// Significance of a bend with legs of `scale_m` at every point; 0 where the legs are too short,
+/// too straight or not significant.
+std::vector<double> screen(const Contour& contour,
+                           double scale_m,
+                           const FeatureDetectorParameters& parameters) {
+  std::vector<double> significance(contour.size(), 0.0);
   // Cornerness is 1/2 (1 - |cos(angle)|).
   const double cosine = 1.0 - 2.0 * kScreenCornernessShare * parameters.corner_threshold;
   const double cos_twice = 2.0 * cosine * cosine - 1.0;
-  for (const double scale_m : kScreenScalesM) {
-    if (scale_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
-    std::size_t first = 0;
-    std::size_t last = 0;
-    for (std::size_t i = 0; i < contour.size(); ++i) {
-      while (contour.arc_m(first) < contour.arc_m(i) - scale_m) ++first;
-      while (last + 1 < contour.size() && contour.arc_m(last + 1) <= contour.arc_m(i) + scale_m) {
-        ++last;
-      }
-      if (i + 1 < first + kSmallestLegPoints || last + 1 < i + kSmallestLegPoints) continue;
-      if (!contour.bendsAt(first, i, last, cos_twice)) continue;
-      best[i] = std::max(best[i],
-                         significanceOf(contour.fit(first, i), contour.fit(i, last), parameters));
+  std::size_t first = 0;
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < contour.size(); ++i) {
+    while (contour.arc_m(first) < contour.arc_m(i) - scale_m) ++first;
+    while (last + 1 < contour.size() && contour.arc_m(last + 1) <= contour.arc_m(i) + scale_m) {
+      ++last;
+    }
+    if (i + 1 < first + kSmallestLegPoints || last + 1 < i + kSmallestLegPoints) continue;
+    if (!contour.bendsAt(first, i, last, cos_twice)) continue;
+    significance[i] = significanceOf(contour.fit(first, i), contour.fit(i, last), parameters);
+  }
+  return significance;
+}
+
+/// Adds the points whose value exceeds `least` and that of all points within half of `scale_m`.
+void addPeaks(const Contour& contour,
+              const std::vector<double>& values,
+              double least,
+              double scale_m,
+              std::set<std::size_t>& peaks) {
+  const double spacing_m = kScreenSpacingScales * scale_m;
+  for (std::size_t i = 0; i < contour.size(); ++i) {
+    if (values[i] <= least) continue;
+    bool is_peak = true;
+    for (std::size_t j = contour.indexAt(contour.arc_m(i) - spacing_m);
+         is_peak && j < contour.size() && contour.arc_m(j) <= contour.arc_m(i) + spacing_m; ++j) {
+      is_peak = j < i ? values[j] < values[i] : values[j] <= values[i];
+    }
+    if (!is_peak) continue;
+    for (const double offset_m : {-kScreenOffsetM, 0.0, kScreenOffsetM}) {
+      peaks.insert(contour.indexAt(contour.arc_m(i) + offset_m));
     }
   }
-  return best;
 }
 
 /// The split of the points first..last into two lines that leaves the least squared distance.
@@ -240,21 +262,13 @@ std::optional<TwoLineCorner> cross(const LineFit& before,
 
 std::vector<std::size_t> findCandidates(const Contour& contour,
                                         const FeatureDetectorParameters& parameters) {
-  const std::vector<double> significance = screen(contour, parameters);
-  const double least = kScreenSignificanceShare * parameters.significance_min;
-  std::vector<std::size_t> candidates;
-  for (std::size_t i = 0; i < contour.size(); ++i) {
-    if (significance[i] <= least) continue;
-    const std::size_t first = contour.indexAt(contour.arc_m(i) - kScreenSpacingM);
-    bool is_peak = true;
-    for (std::size_t j = first;
-         is_peak && j < contour.size() && contour.arc_m(j) <= contour.arc_m(i) + kScreenSpacingM;
-         ++j) {
-      is_peak = j < i ? significance[j] < significance[i] : significance[j] <= significance[i];
-    }
-    if (is_peak) candidates.push_back(i);
+  std::set<std::size_t> candidates;
+  for (const double scale_m : kScreenScalesM) {
+    if (scale_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
+    addPeaks(contour, screen(contour, scale_m, parameters),
+             kScreenSignificanceShare * parameters.significance_min, scale_m, candidates);
   }
-  return candidates;
+  return {candidates.begin(), candidates.end()};
 }
 
 std::optional<std::size_t> findSplit(const Contour& contour, std::size_t near_index) {

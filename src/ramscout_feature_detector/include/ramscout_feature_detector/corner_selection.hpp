@@ -44,9 +44,9 @@ public:
 
   void add(const ResponsePeak& peak);
 
-  /// Whether peaks on coarser levels than those added would change nothing about the corner with
-  /// this split.
-  bool isSettled(std::size_t split) const;
+  /// Whether peaks on coarser levels than those added would change nothing about the corner of
+  /// these lines.
+  bool isSettled(const TwoLineCorner& lines) const;
 
   /// The strongest max_features corners, none closer than feature_distance to a stronger one.
   /// relative_threshold: of those with feature_threshold times the contour's best response, as in
