@@ -33,45 +33,55 @@ class Openings : public testing::TestWithParam<double> {};
 TEST_P(Openings, CornernessIsThatOfTwoHalfLines) {
   const double opening_rad = GetParam() * M_PI / 180.0;
   ram_slam::Random random(1);
-  const FeatureDetector detector({});
+  FeatureDetectorParameters parameters;
+  parameters.corner_threshold = 0.03;
+  const FeatureDetector detector(parameters);
   const auto analysis = detector.analyse(twoWalls(opening_rad).scan({}, 0.0, random));
   ASSERT_EQ(analysis.corners.size(), 1U);
   const Corner& corner = analysis.corners.front();
   const double expected = 0.5 * (1.0 - std::abs(std::cos(opening_rad)));
   EXPECT_NEAR(corner.lines.cornerness, expected, 0.01);
-  EXPECT_NEAR(corner.cornerness, expected, 0.15 * expected);
+  EXPECT_NEAR(corner.cornerness, expected, 0.2 * expected);
   EXPECT_NEAR((corner.lines.position_m - Eigen::Vector2d(3.0, 0.0)).norm(), 0.0, 1e-3);
   EXPECT_NEAR(std::abs(ram_slam::wrapAngle(corner.lines.orientation_rad)), M_PI, 1e-2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Degrees, Openings, testing::Values(90.0, 120.0, 135.0));
+INSTANTIATE_TEST_SUITE_P(Degrees, Openings, testing::Values(90.0, 120.0, 135.0, 150.0));
+
+TEST(FeatureDetector, BendsTooWeakForTheThresholdAreNoCorners) {
+  ram_slam::Random random(1);
+  const auto scan = twoWalls(150.0 * M_PI / 180.0).scan({}, 0.0, random);
+  EXPECT_TRUE(FeatureDetector({}).analyse(scan).corners.empty());
+}
 
 TEST(FeatureDetector, StraightWallYieldsNothing) {
   const FeatureDetector detector({});
   int features = 0;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 1000; ++i) {
     ram_slam::Random random(2, i);
     PolygonWorld world;
     world.add({{2.0, -500.0}, {2.0, 500.0}}, false);
-    const double yaw_rad = 2.0 * (random.uniform() - 0.5);
+    const double yaw_rad = 2.0 * M_PI * (random.uniform() - 0.5);
     features += static_cast<int>(
         detector.analyse(world.scan({0.0, 0.0, yaw_rad}, kNoiseM, random)).corners.size());
   }
-  EXPECT_LT(features, 3);
+  EXPECT_LT(features, 10);
 }
 
-TEST(FeatureDetector, ErrorsOfCornersAreAsLargeAsTheCovarianceSays) {
+class Noise : public testing::TestWithParam<double> {};
+
+TEST_P(Noise, ErrorsOfCornersAreAsLargeAsTheCovarianceSays) {
   FeatureDetectorParameters parameters;
-  parameters.laser_range_sigma = kNoiseM;
+  parameters.laser_range_sigma = GetParam();
   const FeatureDetector detector(parameters);
   double sum = 0.0;
   int count = 0;
-  for (int i = 0; i < 1000; ++i) {
+  for (int i = 0; i < 2300; ++i) {
     ram_slam::Random random(3, i);
     const auto world = twoWalls(M_PI * (0.4 + 0.35 * random.uniform()));
     const ram_slam::Pose2 pose{2.0 * random.uniform() - 1.5, random.uniform() - 0.5,
                                0.5 * random.gaussian()};
-    for (const Corner& corner : detector.analyse(world.scan(pose, kNoiseM, random)).corners) {
+    for (const Corner& corner : detector.analyse(world.scan(pose, GetParam(), random)).corners) {
       const Eigen::Vector2d error =
           corner.lines.position_m - pose.inverse() * Eigen::Vector2d(3.0, 0.0);
       if (error.norm() > 0.2) continue;
@@ -79,9 +89,11 @@ TEST(FeatureDetector, ErrorsOfCornersAreAsLargeAsTheCovarianceSays) {
       ++count;
     }
   }
-  EXPECT_GE(count, 900);
+  EXPECT_GE(count, 2000);
   EXPECT_NEAR(sum / count, 2.0, 0.2);
 }
+
+INSTANTIATE_TEST_SUITE_P(Metres, Noise, testing::Values(0.01, 0.02));
 
 TEST(FeatureDetector, TurningTheScanByWholeBeamsTurnsTheFeatures) {
   ram_slam::Random random(4);

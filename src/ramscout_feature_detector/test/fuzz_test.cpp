@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A short fixed run of what the fuzzers try for hours.
+#include <gtest/gtest.h>
+
+#include "ram_slam/random.hpp"
+
+#include "fuzz_targets.hpp"
+
+namespace ramscout_feature_detector {
+namespace {
+
+std::vector<std::uint8_t> bytes(ram_slam::Random& random, std::size_t count) {
+  std::vector<std::uint8_t> result(count);
+  for (std::uint8_t& byte : result) byte = static_cast<std::uint8_t>(random() >> 56);
+  return result;
+}
+
+TEST(Fuzz, AnyScanIsRefusedOrYieldsFiniteFeatures) {
+  ram_slam::Random random(1);
+  for (int i = 0; i < 5000; ++i) {
+    auto data = bytes(random, 16 + static_cast<std::size_t>(300.0 * random.uniform()));
+    if (i % 8 != 0) {  // geometry that makes sense, mostly smooth surfaces
+      const float header[4] = {-1.5F, 0.01F, 0.05F, 30.0F};
+      std::memcpy(data.data(), header, sizeof(header));
+      for (std::size_t j = sizeof(header); j < data.size(); ++j) {
+        if (i % 3 != 0 && data[j] < 240) data[j] = static_cast<std::uint8_t>(109 + data[j] % 31);
+      }
+    }
+    tryScan(data.data(), data.size());
+  }
+}
+
+TEST(Fuzz, AnyClassifierIsReadOrIgnored) {
+  ram_slam::Random random(2);
+  for (int i = 0; i < 50000; ++i) {
+    auto data = bytes(random, i % 2 == 0 ? 65 : static_cast<std::size_t>(100.0 * random.uniform()));
+    if (i % 4 == 0) {
+      for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>('a' + byte % 26);
+      data[0] = 0;
+    }
+    tryClassifier(data.data(), data.size());
+  }
+}
+
+}  // namespace
+}  // namespace ramscout_feature_detector
