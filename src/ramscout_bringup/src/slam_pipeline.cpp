@@ -18,7 +18,10 @@ namespace {
 
 using ram_slam::Pose2;
 
-constexpr std::size_t kKeptReadings = 1000;    // of the wheels: some seconds
+constexpr std::size_t kKeptReadings = 1000;  // of the wheels: some seconds
+// The filter follows the smoother when this would move the robot by more.
+constexpr double kFollowBeyondM = 0.03;
+constexpr double kFollowBeyondRad = 0.01;
 constexpr std::size_t kMaxWaitingScans = 100;  // for odometry that may never come
 
 template <typename Read>
@@ -35,26 +38,6 @@ std::vector<MapLandmark> toMapLandmarks(const ram_slam::LandmarkMap& map) {
                          estimate.covariance_m2, estimate.existence_log_odds});
   }
   return landmarks;
-}
-
-/// Moves each landmark with the pose of the old path that is nearest to it.
-void moveLandmarks(std::vector<MapLandmark>& landmarks,
-                   const Trajectory& path,
-                   const Trajectory& corrected) {
-  for (MapLandmark& landmark : landmarks) {
-    const auto nearest =
-        std::min_element(path.begin(), path.end(), [&](const auto& a, const auto& b) {
-          return (a.pose.translation() - landmark.position_m).squaredNorm() <
-                 (b.pose.translation() - landmark.position_m).squaredNorm();
-        });
-    if (nearest == path.end()) return;
-    const std::optional<Pose2> moved = ram_slam::poseAt(corrected, nearest->stamp_ns);
-    if (!moved) continue;
-    const Pose2 corrected_from_map = *moved * nearest->pose.inverse();
-    landmark.position_m = corrected_from_map * landmark.position_m;
-    landmark.covariance_m2 = corrected_from_map.rotation() * landmark.covariance_m2 *
-                             corrected_from_map.rotation().transpose();
-  }
 }
 
 }  // namespace
@@ -119,6 +102,7 @@ void SlamPipeline::process(const ScanReading& reading) {
   try {
     if (parameters_.use_laser_odometry) refineOdometry(reading);
     updateFilter(reading);
+    if (smooths()) followSmoother();
     const Pose2 map_from_base = fast_slam_.estimate().pose;
     online_.push_back({reading.stampNs(), map_from_base});
     if (isKeyScan(map_from_base * reading.base_from_laser)) key_scans_.push_back(reading);
@@ -148,8 +132,9 @@ void SlamPipeline::refineOdometry(const ScanReading& reading) {
       laser_odometry_.update(reading.scan, reading.base_from_laser, wheelsAt(reading.stampNs()));
   slip_count_ += estimate.wheels_slipped ? 1 : 0;
   feedKinematics(reading.stampNs(), estimate.odom_from_base.pose);
-  if (parameters_.use_map_smoother) {
+  if (smooths()) {
     map_smoother_.addScan(reading.scan, reading.base_from_laser, estimate.odom_from_base.pose);
+    refined_odom_from_base_ = estimate.odom_from_base.pose;
   }
 }
 
@@ -167,11 +152,24 @@ std::optional<Pose2> SlamPipeline::wheelsAt(std::int64_t stamp_ns) const {
   return interpolate(before->odom_from_base, after->odom_from_base, fraction);
 }
 
+void SlamPipeline::followSmoother() {
+  const Pose2 map_from_odom = map_smoother_.mapFromOdom();
+  const Pose2 correction = (followed_map_from_odom_ * refined_odom_from_base_).inverse() *
+                           (map_from_odom * refined_odom_from_base_);
+  if (correction.translation().norm() < kFollowBeyondM &&
+      std::abs(correction.yaw_rad) < kFollowBeyondRad)
+    return;
+  followed_map_from_odom_ = map_from_odom;
+  fast_slam_.followTrajectory(map_smoother_.trajectory());
+}
+
 void SlamPipeline::smooth(Results& results) {
   map_smoother_.optimize();
-  const Trajectory corrected = map_smoother_.trajectory();
-  moveLandmarks(results.landmarks, results.trajectory, corrected);
-  results.trajectory = corrected;
+  results.trajectory = map_smoother_.trajectory();
+  const Pose2 map_from_smoothed = fast_slam_.followTrajectory(results.trajectory);
+  for (ram_slam::StampedPose2& stamped : results.trajectory)
+    stamped.pose = map_from_smoothed * stamped.pose;
+  results.landmarks = toMapLandmarks(fast_slam_.landmarks());
   std::ostringstream graph;
   ram_slam::writeG2o(map_smoother_.graph(), graph);
   results.pose_graph_g2o = graph.str();
@@ -204,7 +202,7 @@ Results SlamPipeline::finish() {
   results.trajectory_online = online_;
   results.trajectory = fast_slam_.trajectory();
   results.landmarks = toMapLandmarks(fast_slam_.landmarks());
-  if (parameters_.use_laser_odometry && parameters_.use_map_smoother) smooth(results);
+  if (smooths()) smooth(results);
   results.map = renderMap(results.trajectory);
   nlohmann::ordered_json left_out = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : left_out_) left_out[reason] = count;

@@ -287,8 +287,11 @@ void FastSlam::updateMaps(const FeatureList& list,
         matched_weights[association.id] += weights[k];
       } else if (association.verdict == Verdict::kNew) {
         std::optional<LandmarkId> id = idUsedElsewhere(observations[i], particle);
-        if (!id && !fresh_ids[i])
-          fresh_ids[i] = registry_.create(list.features[i], descriptors[i]).id;
+        if (!id && !fresh_ids[i]) {
+          LandmarkRecord& record = registry_.create(list.features[i], descriptors[i]);
+          record.placed_ns = stamp_ns_;
+          fresh_ids[i] = record.id;
+        }
         if (!id) id = fresh_ids[i];
         particle.landmarks.set(*id, createLandmark(particle.map_from_base, measured));
         matched_weights[*id] += 0.0;

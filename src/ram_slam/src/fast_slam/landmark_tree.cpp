@@ -77,6 +77,45 @@ std::shared_ptr<LandmarkTree::Node> LandmarkTree::deepCopy(const Node& node, int
   return copy;
 }
 
+void LandmarkTree::transform(const std::vector<LandmarkTree*>& trees, const Change& change) {
+  std::vector<std::shared_ptr<Node>>
+      old_roots;  // keeps the addresses of old nodes from being reused
+  Transformed done;
+  for (LandmarkTree* tree : trees) {
+    if (tree->root_ == nullptr) continue;
+    old_roots.push_back(tree->root_);
+    tree->root_ = transform(tree->root_, tree->height_, 0, change, done);
+  }
+}
+
+std::shared_ptr<LandmarkTree::Node> LandmarkTree::transform(const std::shared_ptr<Node>& node,
+                                                            int height,
+                                                            LandmarkId first_id,
+                                                            const Change& change,
+                                                            Transformed& done) {
+  const auto place = done.find(node.get());
+  if (place != done.end()) return place->second;
+  std::shared_ptr<Node> result;
+  if (height == 0) {
+    auto leaf = std::make_shared<Leaf>(static_cast<const Leaf&>(*node));
+    for (LandmarkId i = 0; i < kLeafSize; ++i) {
+      if (leaf->present[i]) leaf->landmarks[i] = change(first_id + i, leaf->landmarks[i]);
+    }
+    result = std::move(leaf);
+  } else {
+    auto branch = std::make_shared<Branch>(static_cast<const Branch&>(*node));
+    const int child_bits = kLeafBits + (height - 1) * kBranchBits;
+    for (LandmarkId i = 0; i < kBranchSize; ++i) {
+      std::shared_ptr<Node>& child = branch->children[i];
+      if (child != nullptr)
+        child = transform(child, height - 1, first_id + (i << child_bits), change, done);
+    }
+    result = std::move(branch);
+  }
+  done.emplace(node.get(), result);
+  return result;
+}
+
 std::size_t LandmarkTree::bytes(std::unordered_set<const void*>& seen) const {
   return root_ == nullptr ? 0 : bytes(*root_, height_, seen);
 }

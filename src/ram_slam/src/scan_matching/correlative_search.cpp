@@ -7,6 +7,8 @@
 namespace ram_slam {
 namespace {
 
+constexpr std::size_t kBlock = 16;  // readings between two looks at whether a score is out of reach
+
 struct Cell {
   int column = 0;
   int row = 0;
@@ -87,22 +89,36 @@ private:
     const auto cells_per_m = static_cast<float>(1.0 / pyramid_.resolution_m());
     std::vector<Cell> cells;
     cells.reserve(points.size());
-    for (const Eigen::Vector2f& point : points) {
-      const Eigen::Vector2f place = (rotation * point + shift) * cells_per_m;
-      cells.push_back(
-          {static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y()))});
+    // Spread, so that each block of them says something about the whole scan.
+    const std::size_t stride = (points.size() + kBlock - 1) / kBlock;
+    for (std::size_t first = 0; first < stride; ++first) {
+      for (std::size_t i = first; i < points.size(); i += stride) {
+        const Eigen::Vector2f place = (rotation * points[i] + shift) * cells_per_m;
+        cells.push_back(
+            {static_cast<int>(std::floor(place.x())), static_cast<int>(std::floor(place.y()))});
+      }
     }
     angles_rad_.push_back(angle_rad);
     cells_of_angle_.push_back(std::move(cells));
   }
 
+  /// The bound on the score, or anything less than the best score so far if it is not above that.
   double score(std::size_t angle, int level, Cell shift) const {
     const LikelihoodPyramid::Level& grid = pyramid_.levels()[static_cast<std::size_t>(level)];
+    const std::vector<Cell>& cells = cells_of_angle_[angle];
+    const double scale = 1.0 / (255.0 * static_cast<double>(cells.size()));
+    // What the sum may lack of a full score and still be above the best.
+    const double best_sum = best_.score / scale;
     unsigned sum = 0;
-    for (const Cell& cell : cells_of_angle_[angle]) {
-      sum += grid.at((cell.column + shift.column) >> level, (cell.row + shift.row) >> level);
+    for (std::size_t i = 0; i < cells.size();) {
+      const std::size_t end = std::min(i + kBlock, cells.size());
+      for (; i < end; ++i) {
+        sum +=
+            grid.at((cells[i].column + shift.column) >> level, (cells[i].row + shift.row) >> level);
+      }
+      if (sum + 255.0 * static_cast<double>(cells.size() - i) <= best_sum) return -1.0;
     }
-    return sum / (255.0 * static_cast<double>(cells_of_angle_[angle].size()));
+    return sum * scale;
   }
 
   std::vector<Node> makeRoots() const {
@@ -112,7 +128,8 @@ private:
     for (std::size_t angle = 0; angle < angles_rad_.size(); ++angle) {
       for (int row = -reach_; row <= reach_; row += step) {
         for (int column = -reach_; column <= reach_; column += step) {
-          roots.push_back({angle, level, {column, row}, score(angle, level, {column, row})});
+          const double bound = score(angle, level, {column, row});
+          if (bound > best_.score) roots.push_back({angle, level, {column, row}, bound});
         }
       }
     }

@@ -13,6 +13,9 @@ namespace {
 
 constexpr double kConvergedM = 2e-4;
 constexpr double kConvergedRad = 5e-5;
+// A first step as small as this says that the guess was good: the last gate can be used at once.
+constexpr double kNearM = 0.01;
+constexpr double kNearRad = 0.005;
 
 void require(bool good, const char* name, double value, const char* bound) {
   if (!good)
@@ -110,7 +113,9 @@ ScanMatch matchScan(const SurfaceScan& scan,
     const bool gate_is_last = limits.max_distance_m <= parameters.last_gate_m;
     if (gate_is_last && step.head<2>().norm() < kConvergedM && std::abs(step.z()) < kConvergedRad)
       break;
-    limits.max_distance_m = std::max(parameters.last_gate_m, 0.6 * limits.max_distance_m);
+    const bool is_near = step.head<2>().norm() < kNearM && std::abs(step.z()) < kNearRad;
+    limits.max_distance_m =
+        std::max(parameters.last_gate_m, is_near ? 0.0 : 0.6 * limits.max_distance_m);
   }
   return match;
 }

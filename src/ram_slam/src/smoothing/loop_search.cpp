@@ -20,6 +20,7 @@ constexpr double kUsedRangeM = 12.0;  // farther readings turn too many cells pe
 constexpr std::size_t kQueryPoints = 250;
 constexpr double kFreeMarginM =
     0.25;  // so far in front of what was seen there, a point is in free space
+constexpr double kAngleStepRad = 0.015;
 constexpr double kPositionReserveM = 0.5;  // searched even without drift
 constexpr double kAngleReserveRad = 0.1;
 constexpr float kTellingCrossing =
@@ -226,6 +227,16 @@ std::vector<std::size_t> findLoopCandidates(const std::vector<KeyScan>& key_scan
   return indices;
 }
 
+SearchWindow searchWindow(double path_m, const LoopSearchParameters& parameters) {
+  SearchWindow window;
+  window.distance_m =
+      std::min(parameters.max_distance_m, kPositionReserveM + parameters.drift_m_per_m * path_m);
+  window.angle_rad =
+      std::min(parameters.max_angle_rad, kAngleReserveRad + parameters.drift_rad_per_m * path_m);
+  window.angle_step_rad = kAngleStepRad;
+  return window;
+}
+
 std::optional<LoopMatch> verifyLoop(const std::vector<KeyScan>& key_scans,
                                     std::size_t candidate,
                                     std::size_t newest,
@@ -241,12 +252,7 @@ std::optional<LoopMatch> verifyLoop(const std::vector<KeyScan>& key_scans,
   for (std::size_t i = old_first; i < old_last; ++i) appendPoints(key_scans[i], Pose2{}, 1, place);
   const std::vector<Eigen::Vector2f> query = queryPoints(key_scans, new_first, new_last, newest);
   if (place.empty() || query.empty()) return std::nullopt;
-  SearchWindow window;
-  window.distance_m =
-      std::min(parameters.max_distance_m, kPositionReserveM + parameters.drift_m_per_m * path_m);
-  window.angle_rad =
-      std::min(parameters.max_angle_rad, kAngleReserveRad + parameters.drift_rad_per_m * path_m);
-  window.angle_step_rad = 0.015;
+  const SearchWindow window = searchWindow(path_m, parameters);
   const LikelihoodPyramid pyramid(place, kResolutionM, kDeviationM, kLevels);
   const auto found =
       searchPose(pyramid, query, key_scans[newest].map_from_laser, window, parameters.min_score);

@@ -26,9 +26,17 @@ constexpr double kMinTrust = 0.5;
 // A closure is not searched for again so many key scans beside one that is known.
 constexpr std::size_t kRefusedKeys = 10;
 constexpr std::size_t kAcceptedKeys = 4;
+// Nor a search that failed, so many key scans beside it, in a window that it covers but for these.
+constexpr std::size_t kFailedKeys = 2;
+constexpr double kSearchMarginM = 0.25;
+constexpr double kSearchMarginRad = 0.05;
 constexpr int kMaxSweeps = 2;
 constexpr double kSweepPathM =
     30.0;  // once all loops found are closed, no pose has drifted by more path than this
+
+std::size_t distance(std::size_t a, std::size_t b) {
+  return a > b ? a - b : b - a;
+}
 
 void requirePositive(const char* name, double value) {
   if (!(value > 0.0))
@@ -217,18 +225,35 @@ PoseEdge MapSmoother::motionEdge(std::size_t to) const {
 }
 
 bool MapSmoother::isSettled(std::size_t from, std::size_t to) const {
-  const auto near = [](std::size_t a, std::size_t b, std::size_t reach) {
-    return (a > b ? a - b : b - a) <= reach;
-  };
   return std::any_of(closures_.begin(), closures_.end(), [&](const LoopClosure& closure) {
     if (closure.state == ClosureState::kOutvoted) return false;
     const std::size_t reach =
         closure.state == ClosureState::kRefused ? kRefusedKeys : kAcceptedKeys;
-    return near(closure.edge.from, from, reach) && near(closure.edge.to, to, reach);
+    return distance(closure.edge.from, from) <= reach && distance(closure.edge.to, to) <= reach;
+  });
+}
+
+Pose2 MapSmoother::relativePose(std::size_t from, std::size_t to) const {
+  return key_scans_[from].map_from_laser.inverse() * key_scans_[to].map_from_laser;
+}
+
+bool MapSmoother::wasSearched(std::size_t from, std::size_t to, double path_m) const {
+  const SearchWindow window = searchWindow(path_m, parameters_.loops);
+  return std::any_of(failed_searches_.begin(), failed_searches_.end(), [&](const auto& failed) {
+    if (distance(failed.from, from) > kFailedKeys || distance(failed.to, to) > kFailedKeys)
+      return false;
+    // What was searched then, seen from these two key scans.
+    const Pose2 centre =
+        relativePose(from, failed.from) * failed.from_from_to * relativePose(failed.to, to);
+    const Pose2 shift = centre.inverse() * relativePose(from, to);
+    return shift.translation().norm() + window.distance_m <=
+               failed.window.distance_m + kSearchMarginM &&
+           std::abs(shift.yaw_rad) + window.angle_rad <= failed.window.angle_rad + kSearchMarginRad;
   });
 }
 
 bool MapSmoother::searchLoops(std::size_t newest, double max_path_m) {
+  const bool is_sweep = max_path_m < std::numeric_limits<double>::infinity();
   searched_path_m_ = key_scans_[newest].path_m;
   std::vector<double> paths_m = pathsTo(newest);
   for (double& path_m : paths_m) path_m = std::min(path_m, max_path_m);
@@ -238,9 +263,14 @@ bool MapSmoother::searchLoops(std::size_t newest, double max_path_m) {
   bool found = false;
   for (const std::size_t candidate : candidates) {
     if (isSettled(candidate, newest)) continue;
+    if (is_sweep && wasSearched(candidate, newest, paths_m[candidate])) continue;
     const auto match = verifyLoop(key_scans_, candidate, newest, paths_m[candidate],
                                   parameters_.matcher, parameters_.loops);
-    if (!match) continue;
+    if (!match) {
+      failed_searches_.push_back({candidate, newest, relativePose(candidate, newest),
+                                  searchWindow(paths_m[candidate], parameters_.loops)});
+      continue;
+    }
     const Pose2 wanted = key_scans_[candidate].map_from_laser * match->edge.from_from_to;
     const Pose2 correction = key_scans_[newest].map_from_laser.inverse() * wanted;
     LoopClosure closure;
@@ -335,6 +365,11 @@ void MapSmoother::optimize() {
   const std::vector<Pose2> refined =
       refineJointly(key_scans_, priors, parameters_.matcher, parameters_.refinement);
   for (std::size_t i = 0; i < key_scans_.size(); ++i) key_scans_[i].map_from_laser = refined[i];
+}
+
+Pose2 MapSmoother::mapFromOdom() const {
+  if (key_scans_.empty()) return {};
+  return key_scans_.back().map_from_laser * odom_from_laser_.back().inverse();
 }
 
 std::vector<StampedPose2> MapSmoother::trajectory() const {

@@ -56,6 +56,38 @@ TEST(LandmarkTree, BehavesAsMapsThatAreCopied) {
   for (std::size_t i = 0; i < kTrees; ++i) expectEqual(trees[i], maps[i]);
 }
 
+TEST(LandmarkTree, TransformingTreesChangesEachLandmarkOnceAndKeepsWhatTheyShare) {
+  std::vector<LandmarkTree> trees(3);
+  for (LandmarkId id = 0; id < 200; ++id) trees[0].set(id, landmarkAt(id));
+  trees[1] = trees[0];
+  trees[2] = trees[0];
+  trees[1].set(7, landmarkAt(1000.0));
+  trees[2].erase(8);
+  const auto bytes = [&trees] {
+    std::unordered_set<const void*> seen;
+    std::size_t sum = 0;
+    for (const LandmarkTree& tree : trees) sum += tree.bytes(seen);
+    return sum;
+  };
+  const std::size_t bytes_before = bytes();
+  int changes = 0;
+  LandmarkTree::transform({&trees[0], &trees[1], &trees[2]},
+                          [&changes](LandmarkId, const Landmark& landmark) {
+                            ++changes;
+                            return landmarkAt(2.0 * landmark.mean_m.x());
+                          });
+  EXPECT_EQ(bytes(), bytes_before);
+  EXPECT_LT(changes, 220);
+  std::map<LandmarkId, double> wanted;
+  for (LandmarkId id = 0; id < 200; ++id) wanted[id] = 2.0 * id;
+  expectEqual(trees[0], wanted);
+  std::map<LandmarkId, double> second = wanted;
+  second[7] = 2000.0;
+  expectEqual(trees[1], second);
+  wanted.erase(8);
+  expectEqual(trees[2], wanted);
+}
+
 TEST(LandmarkTree, ChangingACopyLeavesTheOthersAlone) {
   LandmarkTree original;
   for (LandmarkId id = 0; id < 100; ++id) original.set(id, landmarkAt(id));

@@ -90,6 +90,8 @@ TEST(MapSmoother, CutsTheErrorOfDriftingWheelsFivefold) {
   EXPECT_LT(rmsError(smoother.trajectory(), truth), 0.2 * rmsError(before, truth));
   EXPECT_LT(rmsError(smoother.trajectory(), truth), 0.05);
   EXPECT_THAT(smoother.closures(), Not(IsEmpty()));
+  const Pose2 now = smoother.mapFromOdom() * odometry.back();
+  EXPECT_LT((now.translation() - truth.back().translation()).norm(), 0.05);
 }
 
 TEST(MapSmoother, GivesAPoseForEachScanAtItsStamp) {

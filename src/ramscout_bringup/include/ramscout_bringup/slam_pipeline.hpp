@@ -62,6 +62,9 @@ private:
   void feedKinematics(std::int64_t stamp_ns, const ram_slam::Pose2& odom_from_base);
   void refineOdometry(const ScanReading& reading);
   void updateFilter(const ScanReading& reading);
+  /// Lets the filter know of closures that the smoother has found since.
+  bool smooths() const { return parameters_.use_laser_odometry && parameters_.use_map_smoother; }
+  void followSmoother();
   void smooth(Results& results);
   bool isKeyScan(const ram_slam::Pose2& map_from_laser);
   void leaveOut(const std::string& reason) { ++left_out_[reason]; }
@@ -82,6 +85,8 @@ private:
   std::size_t feature_count_ = 0;
   std::size_t slip_count_ = 0;
   int loop_closures_ = 0;
+  ram_slam::Pose2 refined_odom_from_base_;  ///< at the newest scan
+  ram_slam::Pose2 followed_map_from_odom_;  ///< of the smoother, when the filter followed it last
   std::map<std::string, int> left_out_;
 };
 

@@ -77,6 +77,15 @@ public:
   /// positive semi-definite
   void setPose(const PoseWithCovariance2& map_from_base);
 
+  /// Bends the map so that the robot came along the corrected trajectory, as a smoother found it:
+  /// each landmark moves with the pose from which it was first seen, the particles with the newest
+  /// one. The first common pose stays where it is. Landmarks that come to lie on an older one like
+  /// them are dropped. All particles share the corrected path from then on.
+  /// \returns the frame of the corrected trajectory, seen from the map
+  /// \throws std::invalid_argument, nothing changed, if the trajectory is empty, not finite, not in
+  /// the order of its stamps or has none in common with the filter's
+  Pose2 followTrajectory(const std::vector<StampedPose2>& corrected);
+
   /// Gives every particle nodes of its own. Changes no result: what a filter without sharing would
   /// be.
   void unshare();
@@ -119,6 +128,8 @@ private:
   void resample();
   void refreshBounds(LandmarkRecord& record) const;
   void remove(LandmarkId id);
+  /// Landmarks of the best particle that cannot be told from an older one.
+  void removeDuplicates();
   /// Landmarks that no particle holds any more.
   void forgetAbandoned();
   std::vector<double> weights() const;

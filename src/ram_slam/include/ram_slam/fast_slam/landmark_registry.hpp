@@ -24,6 +24,7 @@ struct LandmarkRecord {
   LandmarkId id = 0;
   std::string type;
   std::string classifier;                ///< of the feature that created it
+  std::int64_t placed_ns = 0;            ///< when it was first put into a map
   std::vector<DescriptorPointer> views;  ///< how it looked, from different places
   double existence_log_odds = 0.0;
   double matched_weight = 0.0;   ///< share of the particles that saw it in the last reading

@@ -4,8 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <unordered_map>
 #include <unordered_set>
+#include <vector>
 
 #include "ram_slam/fast_slam/landmark.hpp"
 
@@ -35,6 +38,11 @@ public:
   void forEach(const Visitor& visit) const {
     if (root_ != nullptr) forEach(*root_, height_, 0, visit);
   }
+
+  /// Replaces each landmark of several trees by change(id, landmark). What the trees share is
+  /// changed once and stays shared.
+  static void transform(const std::vector<LandmarkTree*>& trees,
+                        const std::function<Landmark(LandmarkId, const Landmark&)>& change);
 
   /// The same content without any shared node: what a copy would be without sharing.
   LandmarkTree deepCopy() const;
@@ -71,6 +79,13 @@ private:
   template <typename Kind>
   static Kind& own(std::shared_ptr<Node>& node);
   static std::shared_ptr<Node> deepCopy(const Node& node, int height);
+  using Change = std::function<Landmark(LandmarkId, const Landmark&)>;
+  using Transformed = std::unordered_map<const Node*, std::shared_ptr<Node>>;
+  static std::shared_ptr<Node> transform(const std::shared_ptr<Node>& node,
+                                         int height,
+                                         LandmarkId first_id,
+                                         const Change& change,
+                                         Transformed& done);
   static std::size_t bytes(const Node& node, int height, std::unordered_set<const void*>& seen);
 
   template <typename Visitor>

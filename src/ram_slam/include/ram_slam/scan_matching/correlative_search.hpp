@@ -32,7 +32,8 @@ public:
 
     /// The value at a cell; 0 outside.
     std::uint8_t at(int column, int row) const {
-      const bool inside = column >= 0 && row >= 0 && column < columns && row < rows;
+      const bool inside = static_cast<unsigned>(column) < static_cast<unsigned>(columns) &&
+                          static_cast<unsigned>(row) < static_cast<unsigned>(rows);
       return inside ? cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
                             static_cast<std::size_t>(column)]
                     : std::uint8_t{0};

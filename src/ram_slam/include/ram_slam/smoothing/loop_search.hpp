@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "ram_slam/scan_matching/correlative_search.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"
 #include "ram_slam/smoothing/pose_graph.hpp"
@@ -51,6 +52,9 @@ std::vector<std::size_t> findLoopCandidates(const std::vector<KeyScan>& key_scan
                                             std::size_t newest,
                                             const std::vector<double>& path_to_m,
                                             const LoopSearchParameters& parameters);
+
+/// Where a key scan is searched that may have drifted along so much path.
+SearchWindow searchWindow(double path_m, const LoopSearchParameters& parameters);
 
 /// Matches the key scan `newest` with the place about `candidate`: a dense search over all poses
 /// that the drift allows, an alignment, and the checks of LoopSearchParameters. None if any of them

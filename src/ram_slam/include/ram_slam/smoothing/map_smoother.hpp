@@ -93,6 +93,10 @@ public:
   /// The corrected pose of the base at each scan's stamp.
   std::vector<StampedPose2> trajectory() const;
 
+  /// Where the frame of the given trajectory is now, by the newest key scan: how far the given
+  /// trajectory has drifted. The identity before the first scan.
+  Pose2 mapFromOdom() const;
+
   const std::vector<LoopClosure>& closures() const { return closures_; }
 
   /// Takes a closure back, or a refusal; takes effect with the next optimize(). A refused closure
@@ -112,6 +116,13 @@ private:
     Pose2 odom_from_base;
   };
 
+  struct FailedSearch {
+    std::size_t from = 0;
+    std::size_t to = 0;
+    Pose2 from_from_to;  ///< the centre of the window
+    SearchWindow window;
+  };
+
   bool isKeyScan(const Pose2& odom_from_base) const;
   void addKeyScan(std::int64_t stamp_ns,
                   SurfaceScan surfaces,
@@ -123,6 +134,9 @@ private:
   bool searchLoops(std::size_t newest, double max_path_m);
   /// Whether a closure between two key scans, or beside them, was accepted or refused already.
   bool isSettled(std::size_t from, std::size_t to) const;
+  /// Whether a search that failed covers this one.
+  bool wasSearched(std::size_t from, std::size_t to, double path_m) const;
+  Pose2 relativePose(std::size_t from, std::size_t to) const;
   void sweepLoops();
   std::vector<double> pathsTo(std::size_t key) const;
   PoseGraph laserGraph() const;
@@ -134,6 +148,7 @@ private:
   std::vector<Pose2> odom_from_laser_;  // as given, of key scans
   std::vector<PoseEdge> motion_;        // between successive key scans, with what their scans tell
   std::vector<LoopClosure> closures_;
+  std::vector<FailedSearch> failed_searches_;
   double searched_path_m_ = 0.0;
 };
 
