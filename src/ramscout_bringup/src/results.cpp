@@ -37,6 +37,8 @@ void writeResults(const Results& results, const std::string& folder) {
   write("map.png", drawPicture(results));
   write("trajectory.tum", toTum(results.trajectory));
   write("trajectory_online.tum", toTum(results.trajectory_online));
+  if (!results.trajectory_filter.empty())
+    write("trajectory_filter.tum", toTum(results.trajectory_filter));
   if (!results.ground_truth.empty()) write("ground_truth.tum", toTum(results.ground_truth));
   if (!results.pose_graph_g2o.empty()) write("pose_graph.g2o", results.pose_graph_g2o);
   write("landmarks.yaml", toYaml(results.landmarks));

@@ -101,14 +101,32 @@ void SlamPipeline::feedKinematics(std::int64_t stamp_ns, const Pose2& odom_from_
 void SlamPipeline::process(const ScanReading& reading) {
   try {
     if (parameters_.use_laser_odometry) refineOdometry(reading);
-    updateFilter(reading);
-    if (smooths()) followSmoother();
-    const Pose2 map_from_base = fast_slam_.estimate().pose;
+    if (teachesFilter(reading.stampNs())) updateFilter(reading);
+    if (smooths() && fast_slam_.started()) followSmoother();
+    const Pose2 map_from_base = poseNow(reading.stampNs());
     online_.push_back({reading.stampNs(), map_from_base});
     if (isKeyScan(map_from_base * reading.base_from_laser)) key_scans_.push_back(reading);
   } catch (const std::exception& error) {
     leaveOut(error.what());
   }
+}
+
+bool SlamPipeline::teachesFilter(std::int64_t stamp_ns) const {
+  if (!fast_slam_.started()) return true;
+  try {
+    const Pose2 moved = kinematics_.motion(fast_slam_.stamp_ns(), stamp_ns).pose;
+    return moved.translation().norm() >= parameters_.fast_slam.update_distance ||
+           std::abs(moved.yaw_rad) >= parameters_.fast_slam.update_angle;
+  } catch (const std::out_of_range&) {
+    return true;  // it bridges the gap
+  }
+}
+
+Pose2 SlamPipeline::poseNow(std::int64_t stamp_ns) const {
+  const Pose2 then = fast_slam_.estimate().pose;
+  return stamp_ns == fast_slam_.stamp_ns()
+             ? then
+             : then * kinematics_.motion(fast_slam_.stamp_ns(), stamp_ns).pose;
 }
 
 void SlamPipeline::updateFilter(const ScanReading& reading) {
@@ -200,7 +218,7 @@ Results SlamPipeline::finish() {
   }
   Results results;
   results.trajectory_online = online_;
-  results.trajectory = fast_slam_.trajectory();
+  results.trajectory_filter = results.trajectory = fast_slam_.trajectory();
   results.landmarks = toMapLandmarks(fast_slam_.landmarks());
   if (smooths()) smooth(results);
   results.map = renderMap(results.trajectory);
