@@ -14,6 +14,7 @@ namespace ram_slam {
 namespace {
 
 constexpr double kPassedLogOdds = -2.0;  // a look well past a landmark
+constexpr int kWitnesses = 10;           // particles that are asked whether a landmark is missing
 constexpr double kMemory = 0.95;         // of the running means of quality, per list
 constexpr double kSymmetryTolerance = 1e-9;
 
@@ -290,6 +291,7 @@ void FastSlam::updateMaps(const FeatureList& list,
         if (!id && !fresh_ids[i]) {
           LandmarkRecord& record = registry_.create(list.features[i], descriptors[i]);
           record.placed_ns = stamp_ns_;
+          record.seen_within_m = list.features[i].position_m.norm();
           fresh_ids[i] = record.id;
         }
         if (!id) id = fresh_ids[i];
@@ -365,14 +367,15 @@ void FastSlam::rate(const Evidence& evidence) {
 void FastSlam::collectEvidence(const FieldOfView* view) {
   const double seen =
       std::log(parameters_.detection_probability / parameters_.false_detection_probability);
-  const std::vector<double> weights = this->weights();
+  const std::vector<Witness> witnesses =
+      view == nullptr ? std::vector<Witness>{} : this->witnesses();
   std::vector<LandmarkId> refuted;
   for (LandmarkRecord& record : registry_.records()) {
     const double unseen_weight = 1.0 - record.matched_weight;
     double evidence = record.matched_weight * seen;
     record.matched_weight = 0.0;
     if (view != nullptr && unseen_weight > 0.0)
-      evidence += unseen_weight * doubt(record, *view, weights);
+      evidence += unseen_weight * doubt(record, *view, witnesses);
     if (evidence == 0.0) continue;
     record.existence_log_odds =
         std::min(parameters_.maximum_log_odds, record.existence_log_odds + evidence);
@@ -381,28 +384,47 @@ void FastSlam::collectEvidence(const FieldOfView* view) {
   for (const LandmarkId id : refuted) remove(id);
 }
 
+std::vector<FastSlam::Witness> FastSlam::witnesses() const {
+  // Equally spaced on the weight axis, as in resampleLowVariance(): each stands for as much weight.
+  const std::vector<double> weights = this->weights();
+  std::vector<Witness> witnesses;
+  double passed = 0.0;
+  int chosen = 0;
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    passed += weights[k];
+    const int up_to = std::min(kWitnesses, static_cast<int>(passed * kWitnesses + 0.5));
+    if (up_to == chosen) continue;
+    witnesses.push_back(
+        {&particles_[k], particles_[k].map_from_base.rotation().transpose(), up_to - chosen});
+    chosen = up_to;
+  }
+  return witnesses;
+}
+
 double FastSlam::doubt(const LandmarkRecord& record,
                        const FieldOfView& view,
-                       const std::vector<double>& weights) const {
-  if (record.bounds_m.exteriorDistance(estimate_.pose.translation()) > view.range_m()) return 0.0;
+                       const std::vector<Witness>& witnesses) const {
+  // Where it was never seen from as far, it is not missed.
+  const double reach_m = std::min(view.range_m(), record.seen_within_m);
+  if (record.bounds_m.exteriorDistance(estimate_.pose.translation()) > reach_m) return 0.0;
   const double missed = std::log((1.0 - parameters_.detection_probability) /
                                  (1.0 - parameters_.false_detection_probability));
   double sum = 0.0;
-  double held_weight = 0.0;
-  for (std::size_t k = 0; k < particles_.size(); ++k) {
-    const Landmark* landmark = particles_[k].landmarks.find(record.id);
+  int held_count = 0;
+  for (const Witness& witness : witnesses) {
+    const Landmark* landmark = witness.particle->landmarks.find(record.id);
     if (landmark == nullptr) continue;
-    held_weight += weights[k];
-    const Pose2& map_from_base = particles_[k].map_from_base;
-    const Sight sight = view.look(map_from_base.inverse() * landmark->mean_m);
+    held_count += witness.count;
+    const Eigen::Vector2d from_robot_m =
+        landmark->mean_m - witness.particle->map_from_base.translation();
+    const Sight sight = view.look(witness.base_from_map * from_robot_m);
     if (sight == Sight::kEmpty) {
-      sum += weights[k] * kPassedLogOdds;
-    } else if (sight == Sight::kVisible &&
-               knownFrom(record, map_from_base.translation() - landmark->mean_m)) {
-      sum += weights[k] * missed;
+      sum += witness.count * kPassedLogOdds;
+    } else if (sight == Sight::kVisible && knownFrom(record, -from_robot_m)) {
+      sum += witness.count * missed;
     }
   }
-  return held_weight > 0.0 ? sum / held_weight : 0.0;
+  return held_count > 0 ? sum / held_count : 0.0;
 }
 
 void FastSlam::remove(LandmarkId id) {

@@ -99,6 +99,13 @@ private:
     std::vector<Pose2> map_from_base;  ///< FastSLAM 1.0: one per particle
   };
 
+  /// A particle that is asked where landmarks should be seen, for a share of all of them.
+  struct Witness {
+    const Particle* particle;
+    Eigen::Matrix2d base_from_map;  ///< rotation
+    int count;                      ///< of the kWitnesses shares that it stands for
+  };
+
   Step step(std::int64_t stamp_ns, const MotionModel& motion) const;
   void move(const Step& step);
   std::vector<DescriptorPointer> describe(const FeatureList& list) const;
@@ -123,7 +130,8 @@ private:
   /// Log-odds that a landmark loses because the view shows it where it was not found.
   double doubt(const LandmarkRecord& record,
                const FieldOfView& view,
-               const std::vector<double>& weights) const;
+               const std::vector<Witness>& witnesses) const;
+  std::vector<Witness> witnesses() const;
   void updateEstimate(const std::vector<double>& weights);
   void resample();
   void refreshBounds(LandmarkRecord& record) const;
