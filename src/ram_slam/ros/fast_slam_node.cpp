@@ -10,6 +10,7 @@
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/landmark_conversions.hpp"
 #include "ram_slam/ros/mounting.hpp"
+#include "ram_slam/ros/occupancy_conversions.hpp"
 
 namespace ram_slam_ros {
 namespace {
@@ -81,6 +82,7 @@ void FastSlamNode::advertise() {
   landmarks_ = node_.advertise<ram_slam_msgs::LandmarkMap>("landmarks", 1, true);
   landmark_markers_ = node_.advertise<visualization_msgs::MarkerArray>("landmark_markers", 1, true);
   trajectory_ = node_.advertise<nav_msgs::Path>("trajectory", 1, true);
+  corrected_trajectory_ = node_.advertise<nav_msgs::Path>("corrected_trajectory", 1, true);
   ros::NodeHandle private_node("~");
   services_ = {private_node.advertiseService("reset", &FastSlamNode::onReset, this),
                private_node.advertiseService("pause", &FastSlamNode::onPause, this)};
@@ -93,6 +95,8 @@ void FastSlamNode::subscribe() {
   }
   subscribers_.push_back(
       node_.subscribe("initialpose", 2, &FastSlamNode::onInitialPose, this, hints));
+  subscribers_.push_back(
+      node_.subscribe("smoothed_trajectory", 1, &FastSlamNode::onSmoothedTrajectory, this, hints));
   if (node_parameters_.use_scan) {
     subscribers_.push_back(node_.subscribe("scan", 20, &FastSlamNode::onScan, this, hints));
   }
@@ -163,6 +167,23 @@ void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped&
                                     << pose.pose.yaw_rad << " rad)");
   } catch (const std::exception& error) {
     ROS_WARN_STREAM("Rejected an initial pose: " << error.what());
+  }
+}
+
+void FastSlamNode::onSmoothedTrajectory(const nav_msgs::Path& message) {
+  try {
+    ram_slam::Trajectory trajectory = toTrajectory(message);
+    const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
+    if (!lock.owns_lock()) throw std::runtime_error("the filter is busy");
+    const ram_slam::Pose2 map_from_smoothed = filter_->followTrajectory(trajectory);
+    for (ram_slam::StampedPose2& stamped : trajectory)
+      stamped.pose = map_from_smoothed * stamped.pose;
+    corrected_trajectory_.publish(toPath(trajectory, node_parameters_.frames.map));
+    last_output_ns_ = 0;
+    publishPose();
+    publishMap();
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected a smoothed trajectory: " << error.what());
   }
 }
 
@@ -296,17 +317,7 @@ void FastSlamNode::publishMap() {
   const ram_slam::LandmarkMap map = filter_->landmarks();
   landmarks_.publish(toLandmarkMapMessage(map, node_parameters_.frames.map));
   landmark_markers_.publish(toMarkers(map, node_parameters_.frames.map));
-  nav_msgs::Path path;
-  path.header.stamp = toTime(filter_->stamp_ns());
-  path.header.frame_id = node_parameters_.frames.map;
-  for (const ram_slam::StampedPose2& pose : filter_->trajectory()) {
-    geometry_msgs::PoseStamped entry;
-    entry.header.frame_id = path.header.frame_id;
-    entry.header.stamp = toTime(pose.stamp_ns);
-    entry.pose = toPoseMessage(pose.pose);
-    path.poses.push_back(entry);
-  }
-  trajectory_.publish(path);
+  trajectory_.publish(toPath(filter_->trajectory(), node_parameters_.frames.map));
 }
 
 }  // namespace ram_slam_ros

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <nav_msgs/Path.h>
 #include <pluginlib/class_loader.hpp>
 #include <ram_slam_msgs/FeatureList.h>
 #include <ros/ros.h>
@@ -49,6 +50,8 @@ public:
 private:
   void onFeatures(const ram_slam_msgs::FeatureList& message);
   void onScan(const sensor_msgs::LaserScanConstPtr& message);
+  /// Bends the map along what a smoother found.
+  void onSmoothedTrajectory(const nav_msgs::Path& message);
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onPause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
@@ -79,7 +82,8 @@ private:
   ram_slam::GapBridge motion_;
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
-  ros::Publisher pose_, particles_, landmarks_, landmark_markers_, trajectory_;
+  ros::Publisher pose_, particles_, landmarks_, landmark_markers_, trajectory_,
+      corrected_trajectory_;
 
   std::timed_mutex filter_mutex_;
   std::unique_ptr<ram_slam::FastSlam> filter_;

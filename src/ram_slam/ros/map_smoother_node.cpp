@@ -6,6 +6,7 @@
 #include <nav_msgs/Path.h>
 
 #include "ram_slam/ros/conversions.hpp"
+#include "ram_slam/ros/occupancy_conversions.hpp"
 
 namespace ram_slam_ros {
 namespace {
@@ -20,7 +21,7 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
       smoother_(parameters_),
       queue_(parameters_.base_frame, true) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  publisher_ = node_.advertise<nav_msgs::Path>("corrected_trajectory", 1, true);
+  publisher_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, true);
   scan_subscriber_ = node_.subscribe("scan", kQueueSize, &MapSmootherNode::onScan, this, hints);
   odometry_subscriber_ =
       node_.subscribe("odom", kQueueSize, &MapSmootherNode::onOdometry, this, hints);
@@ -61,10 +62,12 @@ void MapSmootherNode::processWaiting() {
         ROS_WARN("time jumped back: smoothing starts anew");
         smoother_ = ram_slam::MapSmoother(parameters_);
         logged_closures_ = optimized_closures_ = 0;
+        published_map_from_odom_ = {};
       }
       smoother_.addScan(next->scan, next->base_from_laser, *next->odom_from_base);
       last_stamp_ns_ = next->scan.stamp_ns;
       logNewClosures();
+      if (smoother_.hasMovedSince(published_map_from_odom_)) publish();
     } catch (const std::exception& error) {
       ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "skipped a scan: " << error.what());
     }
@@ -91,17 +94,12 @@ void MapSmootherNode::optimize() {
   smoother_.optimize();
   logNewClosures();
   optimized_closures_ = smoother_.closures().size();
-  nav_msgs::Path path;
-  path.header.frame_id = parameters_.map_frame;
-  path.header.stamp = toTime(last_stamp_ns_);
-  for (const ram_slam::StampedPose2& stamped : smoother_.trajectory()) {
-    geometry_msgs::PoseStamped pose;
-    pose.header.frame_id = parameters_.map_frame;
-    pose.header.stamp = toTime(stamped.stamp_ns);
-    pose.pose = toPoseMessage(stamped.pose);
-    path.poses.push_back(pose);
-  }
-  publisher_.publish(path);
+  publish();
+}
+
+void MapSmootherNode::publish() {
+  published_map_from_odom_ = smoother_.mapFromOdom();
+  publisher_.publish(toPath(smoother_.trajectory(), parameters_.map_frame));
 }
 
 bool MapSmootherNode::onOptimize(std_srvs::Trigger::Request& /*request*/,

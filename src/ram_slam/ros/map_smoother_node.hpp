@@ -15,9 +15,9 @@
 
 namespace ram_slam_ros {
 
-/// `scan` and `odom` in (best from laser_odometry), `corrected_trajectory` out (latched): the pose
-/// of the base at every scan, whenever a loop was closed and on `~optimize`. `~undo_closure` takes
-/// the newest accepted closure back.
+/// `scan` and `odom` in (best from laser_odometry), `smoothed_trajectory` out (latched): the pose
+/// of the base at every scan, whenever a correction moved the robot and on `~optimize`. The
+/// estimator follows it. `~undo_closure` takes the newest accepted closure back.
 class MapSmootherNode {
 public:
   /// \throws std::invalid_argument if a parameter is refused
@@ -32,6 +32,7 @@ private:
   void optimizeIfClosed();
   void logNewClosures();
   void optimize();
+  void publish();
 
   ram_slam::MapSmootherParameters parameters_;
   ram_slam::MapSmoother smoother_;
@@ -39,6 +40,7 @@ private:
   std::int64_t last_stamp_ns_ = 0;
   std::size_t logged_closures_ = 0;
   std::size_t optimized_closures_ = 0;
+  ram_slam::Pose2 published_map_from_odom_;
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
   ros::Publisher publisher_;

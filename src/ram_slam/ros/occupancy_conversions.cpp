@@ -77,4 +77,19 @@ ram_slam::Trajectory toTrajectory(const nav_msgs::Path& message) {
   return trajectory;
 }
 
+nav_msgs::Path toPath(const ram_slam::Trajectory& trajectory, const std::string& frame_id) {
+  nav_msgs::Path path;
+  path.header.frame_id = frame_id;
+  if (!trajectory.empty()) path.header.stamp = toTime(trajectory.back().stamp_ns);
+  path.poses.reserve(trajectory.size());
+  for (const ram_slam::StampedPose2& stamped : trajectory) {
+    geometry_msgs::PoseStamped pose;
+    pose.header.frame_id = frame_id;
+    pose.header.stamp = toTime(stamped.stamp_ns);
+    pose.pose = toPoseMessage(stamped.pose);
+    path.poses.push_back(pose);
+  }
+  return path;
+}
+
 }  // namespace ram_slam_ros

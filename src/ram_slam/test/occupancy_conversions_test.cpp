@@ -73,5 +73,20 @@ TEST(OccupancyConversions, PathIsReadAtTheStampsOfItsPoses) {
   EXPECT_THROW(toTrajectory(path), std::invalid_argument);
 }
 
+TEST(PathConversions, ATrajectoryReadsBackFromItsPath) {
+  const ram_slam::Trajectory trajectory{{1'000'000'001, {1.0, -2.0, 0.5}},
+                                        {2'500'000'000, {3.0, 4.0, -3.0}}};
+  const nav_msgs::Path path = toPath(trajectory, "map");
+  EXPECT_EQ(path.header.frame_id, "map");
+  EXPECT_EQ(path.header.stamp, ros::Time(2, 500'000'000));
+  const ram_slam::Trajectory back = toTrajectory(path);
+  ASSERT_EQ(back.size(), trajectory.size());
+  for (std::size_t i = 0; i < back.size(); ++i) {
+    EXPECT_EQ(back[i].stamp_ns, trajectory[i].stamp_ns);
+    EXPECT_NEAR(back[i].pose.x_m, trajectory[i].pose.x_m, 1e-12);
+    EXPECT_NEAR(back[i].pose.yaw_rad, trajectory[i].pose.yaw_rad, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace ram_slam_ros

@@ -19,9 +19,9 @@ namespace {
 using ram_slam::Pose2;
 
 constexpr std::size_t kKeptReadings = 1000;  // of the wheels: some seconds
-// The filter follows the smoother when this would move the robot by more.
-constexpr double kFollowBeyondM = 0.03;
-constexpr double kFollowBeyondRad = 0.01;
+// From nearer than this to its last reading the filter is shown no other.
+constexpr double kTeachingDistanceM = 0.03;
+constexpr double kTeachingAngleRad = 0.03;
 constexpr std::size_t kMaxWaitingScans = 100;  // for odometry that may never come
 
 template <typename Read>
@@ -115,8 +115,8 @@ bool SlamPipeline::teachesFilter(std::int64_t stamp_ns) const {
   if (!fast_slam_.started()) return true;
   try {
     const Pose2 moved = kinematics_.motion(fast_slam_.stamp_ns(), stamp_ns).pose;
-    return moved.translation().norm() >= parameters_.fast_slam.update_distance ||
-           std::abs(moved.yaw_rad) >= parameters_.fast_slam.update_angle;
+    return moved.translation().norm() >= kTeachingDistanceM ||
+           std::abs(moved.yaw_rad) >= kTeachingAngleRad;
   } catch (const std::out_of_range&) {
     return true;  // it bridges the gap
   }
@@ -152,7 +152,6 @@ void SlamPipeline::refineOdometry(const ScanReading& reading) {
   feedKinematics(reading.stampNs(), estimate.odom_from_base.pose);
   if (smooths()) {
     map_smoother_.addScan(reading.scan, reading.base_from_laser, estimate.odom_from_base.pose);
-    refined_odom_from_base_ = estimate.odom_from_base.pose;
   }
 }
 
@@ -171,13 +170,8 @@ std::optional<Pose2> SlamPipeline::wheelsAt(std::int64_t stamp_ns) const {
 }
 
 void SlamPipeline::followSmoother() {
-  const Pose2 map_from_odom = map_smoother_.mapFromOdom();
-  const Pose2 correction = (followed_map_from_odom_ * refined_odom_from_base_).inverse() *
-                           (map_from_odom * refined_odom_from_base_);
-  if (correction.translation().norm() < kFollowBeyondM &&
-      std::abs(correction.yaw_rad) < kFollowBeyondRad)
-    return;
-  followed_map_from_odom_ = map_from_odom;
+  if (!map_smoother_.hasMovedSince(followed_map_from_odom_)) return;
+  followed_map_from_odom_ = map_smoother_.mapFromOdom();
   fast_slam_.followTrajectory(map_smoother_.trajectory());
 }
 

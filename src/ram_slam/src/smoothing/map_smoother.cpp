@@ -22,7 +22,10 @@ constexpr std::size_t kVerifiedCandidates = 3;
 constexpr double kSolveBeyondM =
     0.1;  // a closure that moves the newest pose by more is solved for at once
 constexpr double kSolveBeyondRad = 0.03;
+constexpr double kFollowBeyondM = 0.03;
+constexpr double kFollowBeyondRad = 0.01;
 constexpr double kMinTrust = 0.5;
+constexpr std::size_t kFarthestBack = 4;  // key scans that a new one is aligned with: 1, 2, 4 back
 // A closure is not searched for again so many key scans beside one that is known.
 constexpr std::size_t kRefusedKeys = 10;
 constexpr std::size_t kAcceptedKeys = 4;
@@ -199,13 +202,20 @@ void MapSmoother::addKeyScan(std::int64_t stamp_ns,
   PoseEdge edge = motionEdge(key_scans_.size() - 1);
   const KeyScan& last = key_scans_[edge.from];
   const ScanMatch match =
-      matchScan(key_scans_.back().surfaces, {{&last.surfaces, Pose2{}}},
+      matchScan(key_scans_.back().surfaces, scansBefore(edge.to),
                 {edge.from_from_to, edge.information}, edge.from_from_to, parameters_.matcher);
   edge.from_from_to = match.map_from_laser;
   edge.information = withFloor(edge.information + match.information, parameters_.match_deviation_m,
                                parameters_.match_deviation_rad);
   motion_.push_back(edge);
   key_scans_.back().map_from_laser = last.map_from_laser * edge.from_from_to;
+}
+
+std::vector<ReferenceScan> MapSmoother::scansBefore(std::size_t key) const {
+  std::vector<ReferenceScan> references;
+  for (std::size_t back = 1; back <= std::min(key, kFarthestBack); back *= 2)
+    references.push_back({&key_scans_[key - back].surfaces, relativePose(key - 1, key - back)});
+  return references;
 }
 
 PoseEdge MapSmoother::motionEdge(std::size_t to) const {
@@ -370,6 +380,15 @@ void MapSmoother::optimize() {
 Pose2 MapSmoother::mapFromOdom() const {
   if (key_scans_.empty()) return {};
   return key_scans_.back().map_from_laser * odom_from_laser_.back().inverse();
+}
+
+bool MapSmoother::hasMovedSince(const Pose2& map_from_odom) const {
+  if (scans_.empty()) return false;
+  const Pose2& odom_from_base = scans_.back().odom_from_base;
+  const Pose2 motion =
+      (map_from_odom * odom_from_base).inverse() * (mapFromOdom() * odom_from_base);
+  return motion.translation().norm() > kFollowBeyondM ||
+         std::abs(motion.yaw_rad) > kFollowBeyondRad;
 }
 
 std::vector<StampedPose2> MapSmoother::trajectory() const {

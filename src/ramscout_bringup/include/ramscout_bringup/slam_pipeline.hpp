@@ -90,7 +90,6 @@ private:
   std::size_t feature_count_ = 0;
   std::size_t slip_count_ = 0;
   int loop_closures_ = 0;
-  ram_slam::Pose2 refined_odom_from_base_;  ///< at the newest scan
   ram_slam::Pose2 followed_map_from_odom_;  ///< of the smoother, when the filter followed it last
   std::map<std::string, int> left_out_;
 };

@@ -96,6 +96,9 @@ public:
   /// Where the frame of the given trajectory is now, by the newest key scan: how far the given
   /// trajectory has drifted. The identity before the first scan.
   Pose2 mapFromOdom() const;
+  /// Whether the robot is elsewhere now than it would be with an earlier mapFromOdom(): by more
+  /// than 3 cm or 0.01 rad. Then whoever follows the smoother should be told.
+  bool hasMovedSince(const Pose2& map_from_odom) const;
 
   const std::vector<LoopClosure>& closures() const { return closures_; }
 
@@ -129,6 +132,8 @@ private:
                   const Pose2& base_from_laser,
                   const Pose2& odom_from_base);
   PoseEdge motionEdge(std::size_t to) const;
+  /// Some key scans before one, seen from the last of them.
+  std::vector<ReferenceScan> scansBefore(std::size_t key) const;
   /// Looks for places that key scan `newest` shares with earlier ones, as if drifted by at most so
   /// much path.
   bool searchLoops(std::size_t newest, double max_path_m);

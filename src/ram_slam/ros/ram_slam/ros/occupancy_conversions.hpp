@@ -35,4 +35,7 @@ ram_slam::OccupancyGrid toOccupancyGrid(const nav_msgs::OccupancyGrid& message);
 /// validate(Trajectory)
 ram_slam::Trajectory toTrajectory(const nav_msgs::Path& message);
 
+/// The other way; the path's stamp is that of its last pose.
+nav_msgs::Path toPath(const ram_slam::Trajectory& trajectory, const std::string& frame_id);
+
 }  // namespace ram_slam_ros
