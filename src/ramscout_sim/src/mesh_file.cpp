@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -9,6 +10,9 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "ramscout_sim/model_files.hpp"
 
@@ -27,6 +31,40 @@ std::string suffixOf(const std::string& path) {
   std::transform(suffix.begin(), suffix.end(), suffix.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return suffix;
+}
+
+const aiScene* import(Assimp::Importer& importer, const std::string& path) {
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
+                              aiPrimitiveType_LINE | aiPrimitiveType_POINT);
+  try {
+    return importer.ReadFile(path, aiProcess_Triangulate | aiProcess_PreTransformVertices |
+                                       aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);
+  } catch (const std::exception& failure) {
+    refuse(path, failure.what());
+  }
+}
+
+/// Assimp dies of some damaged files (a DAE whose arrays have no count is one): a child process
+/// tries first.
+void requireHarmless(const std::string& path) {
+  constexpr unsigned kPatience_s = 60;
+  const pid_t child = fork();
+  if (child < 0) refuse(path, "cannot be tried: there are too many processes");
+  if (child == 0) {
+    const rlimit no_core = {0, 0};
+    setrlimit(RLIMIT_CORE, &no_core);
+    alarm(kPatience_s);
+    try {
+      Assimp::Importer importer;
+      import(importer, path);
+    } catch (...) {
+      _exit(0);  // the parent will meet it, too, and say so
+    }
+    _exit(0);
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  if (!WIFEXITED(status)) refuse(path, "not a mesh: its reader breaks down");
 }
 
 /// Assimp hands over a DAE file y up, whatever axis the file names.
@@ -78,16 +116,9 @@ TriangleMesh readMesh(const std::string& path) {
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) refuse(path, "cannot be opened");
   if (size > kLargestFile_bytes) refuse(path, "is larger than 1 GiB");
+  requireHarmless(path);
   Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
-                              aiPrimitiveType_LINE | aiPrimitiveType_POINT);
-  const aiScene* scene = nullptr;
-  try {
-    scene = importer.ReadFile(path, aiProcess_Triangulate | aiProcess_PreTransformVertices |
-                                        aiProcess_JoinIdenticalVertices | aiProcess_SortByPType);
-  } catch (const std::exception& failure) {
-    refuse(path, failure.what());
-  }
+  const aiScene* scene = import(importer, path);
   if (!scene) refuse(path, std::string("not a mesh: ") + importer.GetErrorString());
   TriangleMesh all;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) {

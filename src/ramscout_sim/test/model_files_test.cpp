@@ -125,6 +125,13 @@ TEST(ReadMesh, RefusesWhatIsNoMeshByName) {
       HasSubstr("nan.obj"));
 }
 
+TEST(ReadMesh, RefusesAFileThatItsReaderDiesOf) {
+  const TemporaryFolder folder;
+  std::string text = triangleDae("Z_UP", 1.0);
+  text.replace(text.find(" count=\"15\""), 11, "");
+  EXPECT_THAT(refusalOf(readMesh, folder.write("t.dae", text)), HasSubstr("t.dae"));
+}
+
 TEST(ReadMesh, ReadsOrRefusesDamagedFilesButNeverFailsOtherwise) {
   const TemporaryFolder folder;
   const std::vector<std::pair<std::string, std::string>> files = {
