@@ -13,9 +13,10 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kPassedLogOdds = -2.0;  // a look well past a landmark
-constexpr int kWitnesses = 10;           // particles that are asked whether a landmark is missing
-constexpr double kMemory = 0.95;         // of the running means of quality, per list
+constexpr double kPassedLogOdds = -2.0;     // a look well past a landmark
+constexpr int kWitnesses = 10;              // particles that are asked whether a landmark is missing
+constexpr double kMemory = 0.95;            // of the running means of quality, per list
+constexpr double kFeatureDistance_m = 5.0;  // typical: turns errors of features into errors of yaw
 constexpr double kSymmetryTolerance = 1e-9;
 
 void requireGood(const Feature& feature) {
@@ -81,6 +82,7 @@ void FastSlam::setPose(const PoseWithCovariance2& map_from_base) {
   }
   best_ = 0;
   estimate_ = map_from_base;
+  drift_.reset(map_from_base);
   since_learning_ = {};
 }
 
@@ -98,6 +100,9 @@ void FastSlam::update(const FeatureList& list, const MotionModel& motion, const 
   stamp_ns_ = list.stamp_ns;
   ++update_count_;
   since_learning_ = moved.motion;
+  PoseWithCovariance2 drifted = moved.since_list;
+  drifted.covariance *= parameters_.drift_inflation;
+  drift_.move(estimate_.pose, drifted);
   move(moved);
   const std::vector<Observation> observations = observe(list, descriptors);
   const std::vector<Evidence> evidence = weigh(observations);
@@ -135,7 +140,8 @@ FastSlam::Step FastSlam::step(std::int64_t stamp_ns, const MotionModel& motion) 
   result.motion = since_learning_;
   if (!started() || stamp_ns == stamp_ns_) return result;
   if (parameters_.mode == FastSlamMode::kFastSlam2) {
-    result.motion = since_learning_ * motion.motion(stamp_ns_, stamp_ns);
+    result.since_list = motion.motion(stamp_ns_, stamp_ns);
+    result.motion = since_learning_ * result.since_list;
     if (!result.motion.pose.isFinite() || !result.motion.covariance.allFinite()) {
       throw std::invalid_argument("the motion model gives a motion that is not finite");
     }
@@ -223,7 +229,24 @@ std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observatio
   updateEstimate(weights);
   quality_.effective_fraction = effectiveCount(weights) / static_cast<double>(weights.size());
   rate(evidence[largest(weights)]);
+  if (version2) coverDrift();
   return evidence;
+}
+
+void FastSlam::coverDrift() {
+  for (const Association& association : associations_) {
+    if (association.verdict != Verdict::kMatched) continue;
+    const LandmarkRecord& record = *registry_.find(association.id);
+    if (record.existence_log_odds < parameters_.confirm_log_odds) continue;
+    drift_.fallBack(record.drift, estimate_);
+  }
+  drift_.cover(estimate_);
+  estimate_.covariance = drift_.at(estimate_.pose);
+  // What features have in common from scan to scan no number of them makes smaller.
+  const double floor_m = parameters_.feature_noise_floor;
+  const double floor_rad = floor_m / kFeatureDistance_m;
+  estimate_.covariance.diagonal() +=
+      Eigen::Vector3d(floor_m * floor_m, floor_m * floor_m, floor_rad * floor_rad);
 }
 
 void FastSlam::drawPoses(const std::vector<Evidence>& evidence) {
@@ -292,6 +315,7 @@ void FastSlam::updateMaps(const FeatureList& list,
           LandmarkRecord& record = registry_.create(list.features[i], descriptors[i]);
           record.placed_ns = stamp_ns_;
           record.seen_within_m = list.features[i].position_m.norm();
+          record.drift = drift_.covariance();
           fresh_ids[i] = record.id;
         }
         if (!id) id = fresh_ids[i];

@@ -90,12 +90,13 @@ std::string bytesOf(const FastSlam& filter) {
 }
 
 /// Every update counts, every landmark counts at once, nothing is added to the detector's
-/// covariance.
+/// covariance nor to the motion's.
 FastSlamParameters plain() {
   FastSlamParameters parameters;
   parameters.update_distance = parameters.update_angle = 0.0;
   parameters.confirm_log_odds = -1.0;
   parameters.feature_noise_floor = 0.0;
+  parameters.drift_inflation = 1.0;
   return parameters;
 }
 

@@ -11,6 +11,7 @@
 #include "ram_slam/fast_slam/landmark_map.hpp"
 #include "ram_slam/fast_slam/landmark_registry.hpp"
 #include "ram_slam/fast_slam/landmark_tree.hpp"
+#include "ram_slam/fast_slam/map_drift.hpp"
 #include "ram_slam/fast_slam/parameters.hpp"
 #include "ram_slam/fast_slam/particle.hpp"
 #include "ram_slam/feature.hpp"
@@ -60,7 +61,9 @@ public:
   bool started() const { return stamp_ns_ != 0; }
   std::int64_t stamp_ns() const { return stamp_ns_; }
 
-  /// Mean and covariance over all particles and what each of them was drawn from, at stamp_ns().
+  /// Mean over all particles and what each of them was drawn from, at stamp_ns(). The covariance is
+  /// that of the pose in the frame of the start: the mixture's, or what MapDrift says if that is
+  /// more (fast_slam_2).
   const PoseWithCovariance2& estimate() const { return estimate_; }
   /// The path of the best particle, oldest pose first.
   std::vector<StampedPose2> trajectory() const { return particles_[best_].path.poses(); }
@@ -96,6 +99,7 @@ private:
   /// How the particles move up to a new stamp.
   struct Step {
     PoseWithCovariance2 motion;        ///< FastSLAM 2.0: since the maps were updated last
+    PoseWithCovariance2 since_list;    ///< FastSLAM 2.0: since the last list
     std::vector<Pose2> map_from_base;  ///< FastSLAM 1.0: one per particle
   };
 
@@ -133,6 +137,8 @@ private:
                const std::vector<Witness>& witnesses) const;
   std::vector<Witness> witnesses() const;
   void updateEstimate(const std::vector<double>& weights);
+  /// Makes the estimate's covariance that of a pose in the frame of the start.
+  void coverDrift();
   void resample();
   void refreshBounds(LandmarkRecord& record) const;
   void remove(LandmarkId id);
@@ -149,6 +155,7 @@ private:
   std::vector<Particle> particles_;
   std::size_t best_ = 0;
   PoseWithCovariance2 estimate_;
+  MapDrift drift_;
   FastSlamQuality quality_;
   std::vector<Association> associations_;
   std::int64_t stamp_ns_ = 0;

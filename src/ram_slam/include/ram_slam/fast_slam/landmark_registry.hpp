@@ -31,6 +31,7 @@ struct LandmarkRecord {
   Eigen::AlignedBox2d bounds_m;  ///< encloses where it can be matched, in every particle
   std::uint32_t seen_from = 0;   ///< bit per sector of the direction from the landmark to the robot
   double seen_within_m = 0.0;    ///< largest distance at which it was seen
+  Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();  ///< MapDrift::covariance() at its creation
 };
 
 /// The landmarks that some particle holds, in the order of their identifiers. Identifiers are never

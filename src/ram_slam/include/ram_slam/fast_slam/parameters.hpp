@@ -43,6 +43,9 @@ struct FastSlamParameters {
                                     ///< alike, so that they count for less
   double resample_threshold = 0.5;  ///< resample below this fraction of effective particles
 
+  double drift_inflation = 4.0;  ///< variance of the drift over that of the motion model: how much
+                                 ///< more than white noise the odometry's errors add up to
+
   double detection_probability = 0.5;         ///< that a landmark in view is found in one reading
   double false_detection_probability = 0.05;  ///< that something is found where no landmark is
   double confirm_log_odds = 2.0;              ///< only landmarks above this correct the pose
