@@ -6,11 +6,14 @@
 
 #include <geometry_msgs/PoseArray.h>
 #include <nav_msgs/Path.h>
+#include <std_msgs/Bool.h>
 
+#include "ram_slam/atomic_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/landmark_conversions.hpp"
 #include "ram_slam/ros/mounting.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
+#include "ram_slam/world_map/world_map_file.hpp"
 
 namespace ram_slam_ros {
 namespace {
@@ -32,6 +35,7 @@ constexpr auto kServicePatience = milliseconds(200);
 /// Least standard deviations of an initial pose [m], [rad]: nobody clicks more exactly.
 constexpr double kInitialSigma_m = 0.01;
 constexpr double kInitialSigma_rad = 0.005;
+constexpr std::size_t kMostMapBytes = std::size_t{1} << 31;
 
 FastSlamNodeParameters readNodeParameters(ram_parameters::ParameterReader& all) {
   FastSlamNodeParameters parameters;
@@ -42,6 +46,7 @@ FastSlamNodeParameters readNodeParameters(ram_parameters::ParameterReader& all) 
   reader.read("feature_topics", parameters.feature_topics);
   reader.read("use_scan", parameters.use_scan);
   reader.read("output_period", parameters.output_period);
+  reader.read("initial_map", parameters.initial_map);
   reader.rejectUnknown();
   if (parameters.feature_topics.empty()) {
     throw std::invalid_argument("node/feature_topics must name at least one topic");
@@ -58,13 +63,16 @@ FastSlamNodeParameters readNodeParameters(ram_parameters::ParameterReader& all) 
 FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
     : node_parameters_(readNodeParameters(reader)),
       parameters_(ram_slam::readFastSlamParameters(reader)),
+      recovery_parameters_(ram_slam::readRecoveryParameters(reader)),
       matcher_loader_("ram_slam", "ram_slam::FeatureMatcher"),
       matchers_(loadMatchers()),
       map_to_odom_(node_parameters_.frames, parameters_.future_interpol, buffer_),
       kinematics_(node_),
       motion_(kinematics_),
-      filter_(std::make_unique<ram_slam::FastSlam>(parameters_, matchers_)) {
+      filter_(makeFilter()) {
   advertise();
+  loadInitialMap();
+  publishLost();
   thread_ = std::thread([this] { run(); });
   subscribe();
 }
@@ -83,9 +91,12 @@ void FastSlamNode::advertise() {
   landmark_markers_ = node_.advertise<visualization_msgs::MarkerArray>("landmark_markers", 1, true);
   trajectory_ = node_.advertise<nav_msgs::Path>("trajectory", 1, true);
   corrected_trajectory_ = node_.advertise<nav_msgs::Path>("corrected_trajectory", 1, true);
+  lost_ = node_.advertise<std_msgs::Bool>("lost", 1, true);
   ros::NodeHandle private_node("~");
-  services_ = {private_node.advertiseService("reset", &FastSlamNode::onReset, this),
-               private_node.advertiseService("pause", &FastSlamNode::onPause, this)};
+  services_ = {
+      node_.advertiseService("global_localization", &FastSlamNode::onGlobalLocalization, this),
+      private_node.advertiseService("reset", &FastSlamNode::onReset, this),
+      private_node.advertiseService("pause", &FastSlamNode::onPause, this)};
 }
 
 void FastSlamNode::subscribe() {
@@ -126,6 +137,7 @@ void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
                                   node_parameters_.frames.base + "'");
     }
     CheckedFeatures checked = toFeatureList(message);
+    diagnostics_.addFeatures(checked.list.features.size(), checked.rejected_count);
     if (checked.rejected_count > 0) {
       ROS_WARN_STREAM_THROTTLE(
           kLogPeriodS, "Left out " << checked.rejected_count << " features that are no good");
@@ -139,6 +151,7 @@ void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
     queue_.push_back(std::move(checked.list));
     queue_changed_.notify_one();
   } catch (const std::exception& error) {
+    diagnostics_.addRejectedList();
     ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected features: " << error.what());
   }
 }
@@ -163,6 +176,7 @@ void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped&
     if (!lock.owns_lock()) throw std::runtime_error("the filter is busy");
     filter_->setPose(pose);
     map_to_odom_.correct(filter_->stamp_ns(), pose.pose);
+    publishLost();
     ROS_INFO_STREAM("Pose set to (" << pose.pose.x_m << " m, " << pose.pose.y_m << " m, "
                                     << pose.pose.yaw_rad << " rad)");
   } catch (const std::exception& error) {
@@ -170,21 +184,7 @@ void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped&
   }
 }
 
-void FastSlamNode::onSmoothedTrajectory(const nav_msgs::Path& message) {
-  try {
-    ram_slam::Trajectory trajectory = toTrajectory(message);
-    const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
-    if (!lock.owns_lock()) throw std::runtime_error("the filter is busy");
-    const ram_slam::Pose2 map_from_smoothed = filter_->followTrajectory(trajectory);
-    for (ram_slam::StampedPose2& stamped : trajectory)
-      stamped.pose = map_from_smoothed * stamped.pose;
-    corrected_trajectory_.publish(toPath(trajectory, node_parameters_.frames.map));
-    last_output_ns_ = 0;
-    publishPose();
-    publishMap();
-  } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected a smoothed trajectory: " << error.what());
-  }
+  trajectory_.publish(toPath(filter_->filter().trajectory(), node_parameters_.frames.map));
 }
 
 bool FastSlamNode::onReset(std_srvs::Trigger::Request& /*request*/,
@@ -193,6 +193,7 @@ bool FastSlamNode::onReset(std_srvs::Trigger::Request& /*request*/,
   response.success = lock.owns_lock();
   if (response.success) {
     restart("asked to");
+    publishLost();
   } else {
     response.message = "the filter is busy; try again";
   }
@@ -248,30 +249,48 @@ void FastSlamNode::process(const ram_slam::FeatureList& list) {
 }
 
 bool FastSlamNode::tryUpdate(const ram_slam::FeatureList& list) {
-  const std::unique_ptr<ram_slam::LaserView> view = viewAt(list.stamp_ns);
+  const std::shared_ptr<const ram_slam::LaserView> view = viewAt(list.stamp_ns);
   const std::lock_guard<std::timed_mutex> lock(filter_mutex_);
   if (list.stamp_ns + kClockSetBackNs < filter_->stamp_ns()) restart("the clock was set back");
   try {
-    filter_->update(list, motion_, view.get());
+    // The first list does not need a motion, but the second one needs it from here on.
+    if (!filter_->started()) kinematics_.motion(list.stamp_ns, list.stamp_ns);
+    filter_->update(list, motion_, view);
   } catch (const std::out_of_range& error) {
     missing_motion_ = error.what();
     return false;
   }
   publishPose();
   publishMap();
+  publishLost();
   return true;
 }
 
 void FastSlamNode::restart(const std::string& reason) {
   ROS_WARN_STREAM("Starting over with an empty map: " << reason);
-  filter_ = std::make_unique<ram_slam::FastSlam>(parameters_, matchers_);
+  filter_ = makeFilter();
   map_to_odom_.reset();
   motion_.forget();
   interrupted_ = false;
   last_output_ns_ = 0;
 }
 
-std::unique_ptr<ram_slam::LaserView> FastSlamNode::viewAt(std::int64_t stamp_ns) {
+std::unique_ptr<ram_slam::RecoveringSlam> FastSlamNode::makeFilter() const {
+  return std::make_unique<ram_slam::RecoveringSlam>(parameters_, recovery_parameters_, matchers_);
+}
+
+void FastSlamNode::loadInitialMap() {
+  const std::string& path = node_parameters_.initial_map;
+  if (path.empty()) return;
+  const ram_slam::WorldMap world =
+      ram_slam::worldMapFromBytes(ram_slam::readWholeFile(path, kMostMapBytes));
+  const ram_slam::LandmarkMap map = toLandmarkMap(world.landmarks());
+  filter_->setMap(map);
+  ROS_INFO_STREAM("Loaded " << map.landmarks.size() << " landmarks from " << path
+                            << "; looking for the robot among them");
+}
+
+std::shared_ptr<const ram_slam::LaserView> FastSlamNode::viewAt(std::int64_t stamp_ns) {
   sensor_msgs::LaserScanConstPtr scan;
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
@@ -286,7 +305,7 @@ std::unique_ptr<ram_slam::LaserView> FastSlamNode::viewAt(std::int64_t stamp_ns)
         buffer_.lookupTransform(node_parameters_.frames.base, scan->header.frame_id, ros::Time(0));
     const Mounting mounting = toMounting(transform.transform);
     const ram_slam::LaserScan readings = toLaserScan(*scan);
-    return std::make_unique<ram_slam::LaserView>(
+    return std::make_shared<const ram_slam::LaserView>(
         mounting.upside_down ? mirrored(readings) : readings, mounting.base_from_sensor);
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No landmark can be doubted: " << error.what());
@@ -304,20 +323,36 @@ void FastSlamNode::publishPose() {
   if (particles_.getNumSubscribers() == 0) return;
   geometry_msgs::PoseArray particles;
   particles.header = pose.header;
-  for (const ram_slam::Particle& particle : filter_->particles()) {
-    particles.poses.push_back(toPoseMessage(particle.proposal.pose));
-  }
+  if (!filter_->lost())
+    for (const ram_slam::Particle& particle : filter_->filter().particles()) {
+      particles.poses.push_back(toPoseMessage(particle.proposal.pose));
+    }
   particles_.publish(particles);
+}
+
+void FastSlamNode::publishLost() {
+  diagnostics_.set(*filter_, paused_);
+  if (published_lost_ == filter_->lost()) return;
+  if (filter_->lost()) {
+    ROS_WARN_STREAM("Lost: " << toText(filter_->reason())
+                             << "; the map stays as it is until the robot is found");
+  } else if (published_lost_) {
+    ROS_INFO_STREAM("The robot is found");
+  }
+  published_lost_ = filter_->lost();
+  std_msgs::Bool message;
+  message.data = filter_->lost();
+  lost_.publish(message);
 }
 
 void FastSlamNode::publishMap() {
   const auto period_ns = static_cast<std::int64_t>(node_parameters_.output_period * 1e9);
   if (last_output_ns_ != 0 && filter_->stamp_ns() < last_output_ns_ + period_ns) return;
   last_output_ns_ = filter_->stamp_ns();
-  const ram_slam::LandmarkMap map = filter_->landmarks();
+  const ram_slam::LandmarkMap map = filter_->filter().landmarks();
   landmarks_.publish(toLandmarkMapMessage(map, node_parameters_.frames.map));
   landmark_markers_.publish(toMarkers(map, node_parameters_.frames.map));
-  trajectory_.publish(toPath(filter_->trajectory(), node_parameters_.frames.map));
+  trajectory_.publish(toPath(filter_->filter().trajectory(), node_parameters_.frames.map));
 }
 
 }  // namespace ram_slam_ros

@@ -6,6 +6,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,15 +17,17 @@
 #include <ram_slam_msgs/FeatureList.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
+#include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/fast_slam/fast_slam.hpp"
 #include "ram_slam/fast_slam/gap_bridge.hpp"
+#include "ram_slam/relocalisation/recovering_slam.hpp"
 
+#include "fast_slam_diagnostics.hpp"
 #include "kinematics_client.hpp"
 #include "map_to_odom_publisher.hpp"
 
@@ -36,10 +39,11 @@ struct FastSlamNodeParameters {
   std::vector<std::string> feature_topics = {"features"};
   bool use_scan = true;
   double output_period = 1.0;
+  std::string initial_map;  ///< file of a world map; empty: none
 };
 
-/// FastSlam in a ROS graph. Callbacks only queue; one thread runs the filter, another one keeps tf
-/// valid, so that neither a slow update nor a missing kinematics node holds up the other.
+/// RecoveringSlam in a ROS graph. Callbacks only queue; one thread runs the filter, another one
+/// keeps tf valid, so that neither a slow update nor a missing kinematics node holds up the other.
 class FastSlamNode {
 public:
   explicit FastSlamNode(ram_parameters::ParameterReader& reader);
@@ -53,6 +57,7 @@ private:
   /// Bends the map along what a smoother found.
   void onSmoothedTrajectory(const nav_msgs::Path& message);
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
+  bool onGlobalLocalization(std_srvs::Empty::Request& request, std_srvs::Empty::Response& response);
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onPause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
 
@@ -65,12 +70,16 @@ private:
   /// False if the motion up to the list is not known yet.
   bool tryUpdate(const ram_slam::FeatureList& list);
   void restart(const std::string& reason);
-  std::unique_ptr<ram_slam::LaserView> viewAt(std::int64_t stamp_ns);
+  std::unique_ptr<ram_slam::RecoveringSlam> makeFilter() const;
+  void loadInitialMap();
+  std::shared_ptr<const ram_slam::LaserView> viewAt(std::int64_t stamp_ns);
   void publishPose();
+  void publishLost();
   void publishMap();
 
   FastSlamNodeParameters node_parameters_;
   ram_slam::FastSlamParameters parameters_;
+  ram_slam::RecoveryParameters recovery_parameters_;
   pluginlib::ClassLoader<ram_slam::FeatureMatcher> matcher_loader_;
   ram_slam::FeatureMatchers matchers_;
 
@@ -83,10 +92,11 @@ private:
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   ros::Publisher pose_, particles_, landmarks_, landmark_markers_, trajectory_,
-      corrected_trajectory_;
+      corrected_trajectory_, lost_;
 
   std::timed_mutex filter_mutex_;
-  std::unique_ptr<ram_slam::FastSlam> filter_;
+  std::unique_ptr<ram_slam::RecoveringSlam> filter_;
+  std::optional<bool> published_lost_;
   std::int64_t last_output_ns_ = 0;
   bool interrupted_ = false;
   std::string missing_motion_;  ///< why the last list could not be used yet
@@ -97,6 +107,7 @@ private:
   std::deque<sensor_msgs::LaserScanConstPtr> scans_;
   std::atomic<bool> paused_{false};
   std::atomic<bool> stop_{false};
+  FastSlamDiagnostics diagnostics_;
   std::thread thread_;
 };
 

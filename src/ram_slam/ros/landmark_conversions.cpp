@@ -62,6 +62,8 @@ ram_slam_msgs::LandmarkMap toLandmarkMapMessage(const ram_slam::LandmarkMap& map
     feature.classifier = landmark.classifier;
     feature.position_m = landmark.mean_m;
     feature.covariance_m2 = landmark.covariance_m2;
+    feature.orientation_rad = landmark.orientation_rad;
+    feature.orientation_variance_rad2 = landmark.orientation_variance_rad2;
     ram_slam_msgs::Landmark entry;
     entry.id = landmark.id;
     entry.feature = toFeatureMessage(feature, message.header);
@@ -81,6 +83,25 @@ ram_slam_msgs::LandmarkMap toLandmarkMapMessage(const ram_slam::LandmarkMap& map
     message.covariances.push_back(entry);
   }
   return message;
+}
+
+ram_slam::LandmarkMap toLandmarkMap(const ram_slam::LandmarkLayer& layer) {
+  ram_slam::LandmarkMap map;
+  map.stamp_ns = layer.stamp_ns;
+  for (const ram_slam::WorldLandmark& from : layer.landmarks) {
+    LandmarkEstimate landmark;
+    landmark.id = from.id;
+    landmark.type = from.type;
+    landmark.classifier = from.classifier;
+    const ram_slam::Pose2 pose = from.pose.planar();
+    landmark.mean_m = pose.translation();
+    landmark.covariance_m2 = from.pose.covariance.topLeftCorner<2, 2>();
+    landmark.existence_log_odds = from.existence_log_odds;
+    landmark.orientation_rad = pose.yaw_rad;
+    landmark.orientation_variance_rad2 = from.pose.covariance(5, 5);
+    map.landmarks.push_back(landmark);
+  }
+  return map;
 }
 
 visualization_msgs::MarkerArray toMarkers(const ram_slam::LandmarkMap& map,

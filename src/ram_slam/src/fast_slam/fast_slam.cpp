@@ -86,13 +86,59 @@ void FastSlam::setPose(const PoseWithCovariance2& map_from_base) {
   since_learning_ = {};
 }
 
-void FastSlam::update(const FeatureList& list, const MotionModel& motion, const FieldOfView* view) {
+void FastSlam::setPose(const PoseWithCovariance2& map_from_base, std::int64_t stamp_ns) {
+  if (stamp_ns <= 0 || stamp_ns < stamp_ns_) {
+    throw std::invalid_argument("a pose of " + std::to_string(stamp_ns) +
+                                " ns is older than the filter, of " + std::to_string(stamp_ns_) +
+                                " ns");
+  }
+  setPose(map_from_base);
+  stamp_ns_ = stamp_ns;
+}
+
+void FastSlam::setMap(const LandmarkMap& map) {
+  LandmarkRegistry registry;
+  LandmarkTree landmarks;
+  for (const LandmarkEstimate& estimate : map.landmarks) {
+    Feature feature;
+    feature.position_m = estimate.mean_m;
+    feature.covariance_m2 = estimate.covariance_m2;
+    requireGood(feature);
+    LandmarkRecord record;
+    record.id = estimate.id;
+    record.type = estimate.type;
+    record.classifier = estimate.classifier;
+    const FeatureMatcher* const by_looks = matcher(record.type);
+    const DescriptorPointer looks = by_looks != nullptr && !record.classifier.empty()
+                                        ? by_looks->parse(record.classifier)
+                                        : nullptr;
+    if (looks != nullptr) record.views.push_back(looks);
+    record.existence_log_odds = std::clamp(estimate.existence_log_odds, parameters_.delete_log_odds,
+                                           parameters_.maximum_log_odds);
+    record.orientation_rad = estimate.orientation_rad;
+    record.orientation_variance_rad2 = estimate.orientation_variance_rad2;
+    registry.restore(std::move(record));
+    landmarks.set(estimate.id, {estimate.mean_m, estimate.covariance_m2});
+  }
+  registry_ = std::move(registry);
+  for (Particle& particle : particles_) {
+    particle.landmarks = landmarks;
+    particle.path = {};
+  }
+  for (LandmarkRecord& record : registry_.records()) refreshBounds(record);
+}
+
+void FastSlam::check(const FeatureList& list) const {
   for (const Feature& feature : list.features) requireGood(feature);
   if (list.stamp_ns <= 0 || list.stamp_ns < stamp_ns_) {
     throw std::invalid_argument("features of " + std::to_string(list.stamp_ns) +
                                 " ns are older than those before, of " + std::to_string(stamp_ns_) +
                                 " ns");
   }
+}
+
+void FastSlam::update(const FeatureList& list, const MotionModel& motion, const FieldOfView* view) {
+  check(list);
   const std::vector<DescriptorPointer> descriptors = describe(list);
   const Step moved = step(list.stamp_ns, motion);
   // From here on nothing fails.
@@ -329,7 +375,7 @@ void FastSlam::updateMaps(const FeatureList& list,
     record.matched_weight = weight;
     refreshBounds(record);
   }
-  rememberViews(descriptors, evidence[best_].associations);
+  rememberViews(list, descriptors, evidence[best_].associations);
 }
 
 std::optional<LandmarkId> FastSlam::idUsedElsewhere(const Observation& observation,
@@ -348,7 +394,8 @@ std::optional<LandmarkId> FastSlam::idUsedElsewhere(const Observation& observati
   return nearest;
 }
 
-void FastSlam::rememberViews(const std::vector<DescriptorPointer>& descriptors,
+void FastSlam::rememberViews(const FeatureList& list,
+                             const std::vector<DescriptorPointer>& descriptors,
                              const std::vector<Association>& associations) {
   const Particle& best = particles_[best_];
   for (std::size_t i = 0; i < associations.size(); ++i) {
@@ -357,6 +404,8 @@ void FastSlam::rememberViews(const std::vector<DescriptorPointer>& descriptors,
     const Eigen::Vector2d robot_from_landmark_m =
         best.map_from_base.translation() - best.landmarks.find(record.id)->mean_m;
     addView(record, robot_from_landmark_m, matcher(record.type), descriptors[i]);
+    addOrientation(record, best.map_from_base.yaw_rad + list.features[i].orientation_rad,
+                   list.features[i].orientation_variance_rad2);
   }
 }
 

@@ -11,6 +11,24 @@ constexpr double kMarginAtMaximumRange_m =
 constexpr double kBlocked_m = 0.2;  // a reading this much nearer than the point hides it
 constexpr double kPassed_m = 0.3;   // a reading this much farther says that nothing is there
 constexpr int kBeamsBeside = 1;
+constexpr std::size_t kSurfacePoints = 180;
+constexpr int kLeastInCommon = 40;  // points that two views must know about to be compared
+
+struct Agreement {
+  int agreeing = 0;
+  int contradicting = 0;
+};
+
+void compare(const FieldOfView& view,
+             const std::vector<Eigen::Vector2d>& surface_m,
+             const Pose2& view_from_surface,
+             Agreement& sum) {
+  for (const Eigen::Vector2d& point_m : surface_m) {
+    const Sight sight = view.look(view_from_surface * point_m);
+    if (sight == Sight::kVisible) ++sum.agreeing;
+    if (sight == Sight::kEmpty) ++sum.contradicting;
+  }
+}
 
 }  // namespace
 
@@ -23,6 +41,16 @@ LaserView::LaserView(const LaserScan& scan, const Pose2& base_from_laser)
 
 double LaserView::range_m() const {
   return scan_.range_max_m + base_to_laser_m_;
+}
+
+std::vector<Eigen::Vector2d> LaserView::surface_m() const {
+  const Pose2 base_from_laser = laser_from_base_.inverse();
+  const std::size_t step = std::max<std::size_t>(1, scan_.ranges_m.size() / kSurfacePoints);
+  std::vector<Eigen::Vector2d> points_m;
+  for (std::size_t i = 0; i < scan_.ranges_m.size(); i += step) {
+    if (scan_.at(i) == Return::kHit) points_m.push_back(base_from_laser * scan_.end_m(i));
+  }
+  return points_m;
 }
 
 Sight LaserView::look(const Eigen::Vector2d& point_in_base_m) const {
@@ -54,6 +82,17 @@ Sight LaserView::look(const Eigen::Vector2d& point_in_base_m) const {
   }
   if (all_pass) return Sight::kEmpty;
   return near_hit ? Sight::kVisible : Sight::kHidden;
+}
+
+std::optional<double> discontinuity(const FieldOfView& before,
+                                    const FieldOfView& now,
+                                    const Pose2& before_from_now) {
+  Agreement sum;
+  compare(before, now.surface_m(), before_from_now, sum);
+  compare(now, before.surface_m(), before_from_now.inverse(), sum);
+  const int common = sum.agreeing + sum.contradicting;
+  if (common < kLeastInCommon) return std::nullopt;
+  return static_cast<double>(sum.contradicting) / common;
 }
 
 }  // namespace ram_slam

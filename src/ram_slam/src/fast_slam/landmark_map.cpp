@@ -27,6 +27,8 @@ Summary summarise(const LandmarkRecord& record,
   estimate.type = record.type;
   estimate.classifier = record.classifier;
   estimate.existence_log_odds = record.existence_log_odds;
+  estimate.orientation_rad = record.orientation_rad;
+  estimate.orientation_variance_rad2 = record.orientation_variance_rad2;
   double held_weight = 0.0;
   for (std::size_t k = 0; k < particles.size(); ++k) {
     const Landmark* landmark = particles[k].landmarks.find(record.id);

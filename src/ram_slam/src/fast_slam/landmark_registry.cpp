@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "ram_slam/pose2.hpp"
+
 namespace ram_slam {
 namespace {
 
 constexpr std::size_t kMostViews = 6;
 constexpr double kNewViewBelow = 1.0;  // [nat] less alike than this to every view: another view
 constexpr int kSectors = 16;
+constexpr double kUnknownVariance_rad2 = 1.0;   // an orientation less certain than this is none
+constexpr double kOrientationSigma_rad = 0.05;  // of the pose it was seen from
 
 bool before(const LandmarkRecord& record, LandmarkId id) {
   return record.id < id;
@@ -86,6 +90,16 @@ void addView(LandmarkRecord& record,
       logLikelihoodRatio(matcher, descriptor, record.views) < kNewViewBelow) {
     record.views.push_back(descriptor);
   }
+}
+
+void addOrientation(LandmarkRecord& record, double orientation_rad, double variance_rad2) {
+  if (!(variance_rad2 < kUnknownVariance_rad2)) return;
+  const double noise_rad2 = variance_rad2 + kOrientationSigma_rad * kOrientationSigma_rad;
+  const double gain =
+      record.orientation_variance_rad2 / (record.orientation_variance_rad2 + noise_rad2);
+  record.orientation_rad = wrapAngle(record.orientation_rad +
+                                     gain * wrapAngle(orientation_rad - record.orientation_rad));
+  record.orientation_variance_rad2 *= 1.0 - gain;
 }
 
 bool knownFrom(const LandmarkRecord& record, const Eigen::Vector2d& robot_from_landmark_m) {

@@ -108,6 +108,7 @@ FastSlamParameters readFastSlamParameters(ram_parameters::ParameterReader& reade
   reader.read("update_distance", parameters.update_distance);
   reader.read("update_angle", parameters.update_angle);
   reader.has("node");
+  reader.has("relocalisation");
   reader.rejectUnknown();
   parameters.mode = toMode(mode);
   parameters.validate();

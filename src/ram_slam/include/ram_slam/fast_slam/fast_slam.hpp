@@ -58,6 +58,9 @@ public:
               const MotionModel& motion,
               const FieldOfView* view = nullptr);
 
+  /// \throws std::invalid_argument if update() would because of this list
+  void check(const FeatureList& list) const;
+
   bool started() const { return stamp_ns_ != 0; }
   std::int64_t stamp_ns() const { return stamp_ns_; }
 
@@ -74,11 +77,23 @@ public:
   const FastSlamQuality& quality() const { return quality_; }
   /// What the best particle took the features of the last list for, one each.
   const std::vector<Association>& associations() const { return associations_; }
+  /// What all particles know alike about the landmarks.
+  const LandmarkRegistry& registry() const { return registry_; }
 
   /// The robot is there, whatever the filter thought; the best particle's map is kept.
   /// \throws std::invalid_argument if the pose is not finite or the covariance not symmetric
   /// positive semi-definite
   void setPose(const PoseWithCovariance2& map_from_base);
+  /// The robot is there at that stamp, however it got there. \throws std::invalid_argument as
+  /// above, or if the stamp is older than stamp_ns()
+  void setPose(const PoseWithCovariance2& map_from_base, std::int64_t stamp_ns);
+
+  /// Replaces the map by one learned before, the same for all particles. The pose stays, the path
+  /// begins anew.
+  /// \throws std::invalid_argument if a landmark is not finite, its covariance not symmetric and
+  /// positive definite, or the landmarks are not in the order of their identifiers; nothing has
+  /// changed then
+  void setMap(const LandmarkMap& map);
 
   /// Bends the map so that the robot came along the corrected trajectory, as a smoother found it:
   /// each landmark moves with the pose from which it was first seen, the particles with the newest
@@ -127,7 +142,8 @@ private:
   /// The landmark that other particles already have where this feature is and this one has not.
   std::optional<LandmarkId> idUsedElsewhere(const Observation& observation,
                                             const Particle& particle) const;
-  void rememberViews(const std::vector<DescriptorPointer>& descriptors,
+  void rememberViews(const FeatureList& list,
+                     const std::vector<DescriptorPointer>& descriptors,
                      const std::vector<Association>& associations);
   void rate(const Evidence& evidence);
   void collectEvidence(const FieldOfView* view);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "ram_slam/laser_scan.hpp"
@@ -24,7 +27,18 @@ public:
   virtual Sight look(const Eigen::Vector2d& point_in_base_m) const = 0;
   /// Beyond this distance from the base everything is hidden.
   virtual double range_m() const = 0;
+  /// Some of the points at which the sensor saw something, spread evenly over the view; none if the
+  /// sensor cannot tell.
+  virtual std::vector<Eigen::Vector2d> surface_m() const { return {}; }
 };
+
+/// The share of what two views both know about that they contradict each other in, if the base
+/// moved like that between them: surfaces of one in the free space of the other. Some hundredths
+/// for two views of one place, a third and more for views of two places. None if they have too
+/// little in common.
+std::optional<double> discontinuity(const FieldOfView& before,
+                                    const FieldOfView& now,
+                                    const Pose2& before_from_now);
 
 /// The view of a planar lidar.
 class LaserView : public FieldOfView {
@@ -33,6 +47,7 @@ public:
   LaserView(const LaserScan& scan, const Pose2& base_from_laser);
   Sight look(const Eigen::Vector2d& point_in_base_m) const override;
   double range_m() const override;
+  std::vector<Eigen::Vector2d> surface_m() const override;
 
 private:
   LaserScan scan_;

@@ -20,6 +20,8 @@ struct LandmarkEstimate {
   Eigen::Vector2d mean_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();
   double existence_log_odds = 0.0;
+  double orientation_rad = 0.0;
+  double orientation_variance_rad2 = 1e6;  ///< 1e6: not observed
 };
 
 /// E[(p_first - mean)(p_second - mean)^T] of two landmarks; first_id < second_id.

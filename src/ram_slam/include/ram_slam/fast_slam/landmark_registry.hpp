@@ -32,6 +32,8 @@ struct LandmarkRecord {
   std::uint32_t seen_from = 0;   ///< bit per sector of the direction from the landmark to the robot
   double seen_within_m = 0.0;    ///< largest distance at which it was seen
   Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();  ///< MapDrift::covariance() at its creation
+  double orientation_rad = 0.0;  ///< in the map, mean of what was seen
+  double orientation_variance_rad2 = 1e6;  ///< 1e6: not observed
 };
 
 /// The landmarks that some particle holds, in the order of their identifiers. Identifiers are never
@@ -66,6 +68,9 @@ void addView(LandmarkRecord& record,
              const Eigen::Vector2d& robot_from_landmark_m,
              const FeatureMatcher* matcher,
              const DescriptorPointer& descriptor);
+
+/// Averages in one more observation of the landmark's orientation in the map.
+void addOrientation(LandmarkRecord& record, double orientation_rad, double variance_rad2);
 
 /// Whether the landmark was seen from about there before, so that it should be seen from there
 /// again.

@@ -56,7 +56,8 @@ struct FastSlamParameters {
   void validate() const;
 };
 
-/// Reads every key of FastSlamParameters; the section `node` is left to the node.
+/// Reads every key of FastSlamParameters; the section `node` is left to the node,
+/// `relocalisation` to readRecoveryParameters().
 /// `minimum_feature_seperation`, the spelling of older files, is accepted if the right spelling
 /// does not contradict it. \throws std::invalid_argument for an unknown key, a wrong type or a
 /// value out of bounds

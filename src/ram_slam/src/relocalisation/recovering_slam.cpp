@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/relocalisation/recovering_slam.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace ram_slam {
+namespace {
+
+constexpr std::int64_t kMemoryEveryNs = 1'000'000'000;
+constexpr std::int64_t kMemoryAgeNs = 3'000'000'000;  // a copy this old is from before the trouble
+constexpr std::int64_t kViewEveryNs = 90'000'000;
+constexpr std::int64_t kOldestViewNs = 700'000'000;
+constexpr std::int64_t kOldestReferenceNs = 1'000'000'000;
+constexpr std::int64_t kNewestReferenceNs = 450'000'000;
+constexpr std::int64_t kContradictingForNs = 200'000'000;
+// A smaller contradiction makes suspicious: then less evidence from the map is needed for a while.
+constexpr double kSuspicious = 0.6;
+constexpr std::int64_t kSuspiciousForNs = 2'000'000'000;
+// A disturbance, not a kidnapping: soon after, without having moved on, everything looks as before.
+constexpr double kAgreeingShare = 0.03;
+constexpr std::int64_t kAgreeingForNs = 300'000'000;
+constexpr std::int64_t kFalseAlarmWithinNs = 1'500'000'000;
+constexpr double kFalseAlarmWithin_m = 1.0;
+constexpr double kFalseAlarmWithin_rad = 0.5;
+// A motion less certain than this says nothing about whether two views belong together.
+constexpr double kComparableSigma_m = 0.1;
+constexpr double kComparableSigma_rad = 0.05;
+constexpr double kTryEvery_m = 0.5;
+constexpr double kSamePlace_m = 0.4;
+constexpr double kSamePlace_rad = 0.15;
+constexpr double kProbation_m = 8.0;
+// What a lost robot says about where it is: anywhere around.
+constexpr double kLostSigma_m = 100.0;
+constexpr double kLostSigma_rad = M_PI;
+// Standard deviations given to a place that was found: the filter finds the rest of the way.
+constexpr double kFoundSigma_m = 0.05;
+constexpr double kFoundSigma_rad = 0.02;
+constexpr double kResumeSigma_m = 0.1;
+constexpr double kResumeSigma_rad = 0.05;
+
+bool isCertain(const PoseWithCovariance2& motion) {
+  const Eigen::Matrix3d& c = motion.covariance;
+  return c(0, 0) + c(1, 1) < kComparableSigma_m * kComparableSigma_m &&
+         c(2, 2) < kComparableSigma_rad * kComparableSigma_rad;
+}
+
+}  // namespace
+
+void RecoveryParameters::validate() const {
+  lost.validate();
+  local.validate();
+  constellation.validate();
+}
+
+RecoveryParameters readRecoveryParameters(ram_parameters::ParameterReader& all) {
+  RecoveryParameters p;
+  ram_parameters::ParameterReader reader = all.section("relocalisation");
+  reader.read("enabled", p.enabled);
+  reader.read("window", p.lost.window);
+  reader.read("minimum_evidence", p.lost.minimum_evidence);
+  reader.read("lost_below", p.lost.lost_below);
+  reader.read("discontinuity", p.lost.discontinuity);
+  reader.read("length", p.local.length);
+  reader.read("minimum_sightings", p.local.minimum_sightings);
+  reader.read("drift_per_m", p.local.drift_per_m);
+  reader.read("position_sigma", p.constellation.position_sigma);
+  reader.read("minimum_baseline", p.constellation.minimum_baseline);
+  reader.read("minimum_pairs", p.constellation.minimum_pairs);
+  reader.read("minimum_score", p.constellation.minimum_score);
+  reader.read("minimum_lead", p.constellation.minimum_lead);
+  reader.read("minimum_overlap", p.constellation.minimum_overlap);
+  reader.rejectUnknown();
+  p.validate();
+  return p;
+}
+
+RecoveringSlam::RecoveringSlam(const FastSlamParameters& filter,
+                               const RecoveryParameters& recovery,
+                               FeatureMatchers matchers)
+    : filter_parameters_(filter),
+      parameters_((recovery.validate(), recovery)),
+      matchers_(std::move(matchers)),
+      filter_(filter, matchers_),
+      detector_(recovery.lost),
+      local_(recovery.local, matchers_) {}
+
+void RecoveringSlam::update(const FeatureList& list,
+                            const MotionModel& motion,
+                            std::shared_ptr<const FieldOfView> view) {
+  if (!parameters_.enabled) {
+    filter_.update(list, motion, view.get());
+    stamp_ns_ = list.stamp_ns;
+    return;
+  }
+  PoseWithCovariance2 moved;
+  if (started() && list.stamp_ns > stamp_ns_) moved = motion.motion(stamp_ns_, list.stamp_ns);
+  if (lost()) {
+    filter_.check(list);
+    if (list.stamp_ns < stamp_ns_) {
+      throw std::invalid_argument("features are older than those before");
+    }
+    stamp_ns_ = list.stamp_ns;
+    local_from_base_ = local_from_base_ * moved.pose;
+    search(list, moved, {stamp_ns_, local_from_base_, std::move(view)});
+    return;
+  }
+  filter_.update(list, motion, view.get());
+  // From here on nothing fails.
+  stamp_ns_ = list.stamp_ns;
+  local_from_base_ = local_from_base_ * moved.pose;
+  if (on_probation_) probation_left_m_ -= moved.pose.translation().norm();
+  const View now{stamp_ns_, local_from_base_, std::move(view)};
+  // What was learned since the last certain moment proves nothing: a wrong pose agrees with itself.
+  const FastSlam& known = memories_.empty() ? filter_ : memories_.front().filter;
+  detector_.add(list, now.view.get(), filter_.best(), known.registry(),
+                filter_parameters_.confirm_log_odds);
+  agreement_ = detector_.agreement();
+  if (isDiscontinuous(now)) {
+    loseTrack(LostReason::kDiscontinuity);
+  } else if (detector_.lost(stamp_ns_ <= suspicious_until_ns_)) {
+    loseTrack(LostReason::kMapContradicts);
+  } else {
+    remember();
+    addView(now);
+  }
+}
+
+bool RecoveringSlam::isDiscontinuous(const View& now) {
+  if (now.view == nullptr) return false;
+  const auto reference = std::find_if(views_.rbegin(), views_.rend(), [&now](const View& other) {
+    return other.stamp_ns <= now.stamp_ns - kNewestReferenceNs;
+  });
+  if (reference == views_.rend()) return false;
+  const auto share = discontinuity(*reference->view, *now.view,
+                                   reference->local_from_base.inverse() * now.local_from_base);
+  if (!share) return false;
+  if (*share <= kSuspicious * parameters_.lost.discontinuity) {
+    contradicting_since_ns_ = 0;
+    return false;
+  }
+  if (contradicting_since_ns_ == 0) contradicting_since_ns_ = now.stamp_ns;
+  if (now.stamp_ns < contradicting_since_ns_ + kContradictingForNs) return false;
+  if (*share > parameters_.lost.discontinuity) return true;
+  if (now.stamp_ns > suspicious_until_ns_) detector_.clear();  // only what comes now counts
+  suspicious_until_ns_ = now.stamp_ns + kSuspiciousForNs;
+  return false;
+}
+
+void RecoveringSlam::addView(View view) {
+  if (view.view == nullptr) return;
+  if (!views_.empty() && view.stamp_ns < views_.back().stamp_ns + kViewEveryNs) return;
+  while (!views_.empty() && views_.front().stamp_ns < view.stamp_ns - kOldestViewNs)
+    views_.pop_front();
+  views_.push_back(std::move(view));
+}
+
+void RecoveringSlam::remember() {
+  if (on_probation_) {
+    if (probation_left_m_ > 0.0) return;
+    on_probation_ = false;
+    memories_.clear();
+  }
+  if (!memories_.empty() && stamp_ns_ < memories_.back().stamp_ns + kMemoryEveryNs) return;
+  // The newest one that is old enough stays, and all that are newer.
+  while (memories_.size() >= 2 && memories_[1].stamp_ns <= stamp_ns_ - kMemoryAgeNs)
+    memories_.pop_front();
+  memories_.push_back({filter_, filter_.estimate().pose, local_from_base_, stamp_ns_});
+}
+
+void RecoveringSlam::loseTrack(LostReason reason) {
+  reason_ = reason;
+  if (!memories_.empty()) {
+    const Memory& before = memories_.front();
+    dead_reckoned_.pose =
+        before.map_from_base * before.local_from_base.inverse() * local_from_base_;
+    filter_ = before.filter;
+  } else {
+    dead_reckoned_.pose = filter_.estimate().pose;
+  }
+  memories_.clear();
+  on_probation_ = false;
+  last_good_view_.reset();
+  if (reason == LostReason::kDiscontinuity && !views_.empty()) last_good_view_ = views_.front();
+  views_.clear();
+  contradicting_since_ns_ = 0;
+  suspicious_until_ns_ = 0;
+  detector_.clear();
+  agreeing_since_ns_ = stamp_ns_;
+  local_.clear();
+  next_try_m_ = kTryEvery_m;
+  found_.reset();
+}
+
+void RecoveringSlam::search(const FeatureList& list,
+                            const PoseWithCovariance2& moved,
+                            const View& now) {
+  dead_reckoned_.pose = dead_reckoned_.pose * moved.pose;
+  if (!isCertain(moved)) {  // what was seen before does not belong to what is seen now
+    local_.clear();
+    next_try_m_ = kTryEvery_m;
+    found_.reset();
+    last_good_view_.reset();
+  }
+  local_.add(list, moved.pose, now.view);
+  if (isFalseAlarm(now)) {
+    PoseWithCovariance2 pose = dead_reckoned_;
+    pose.covariance =
+        Eigen::Vector3d(kResumeSigma_m, kResumeSigma_m, kResumeSigma_rad).cwiseAbs2().asDiagonal();
+    resume(pose);
+    return;
+  }
+  if (local_.distance_m() >= next_try_m_) tryToRecover();
+}
+
+bool RecoveringSlam::isFalseAlarm(const View& now) {
+  if (!last_good_view_ || now.view == nullptr) return false;
+  const Pose2 moved = last_good_view_->local_from_base.inverse() * now.local_from_base;
+  if (now.stamp_ns > last_good_view_->stamp_ns + kFalseAlarmWithinNs ||
+      moved.translation().norm() > kFalseAlarmWithin_m ||
+      std::abs(moved.yaw_rad) > kFalseAlarmWithin_rad) {
+    last_good_view_.reset();
+    return false;
+  }
+  const auto share = discontinuity(*last_good_view_->view, *now.view, moved);
+  if (!share || *share > kAgreeingShare) agreeing_since_ns_ = now.stamp_ns;
+  return now.stamp_ns >= agreeing_since_ns_ + kAgreeingForNs;
+}
+
+void RecoveringSlam::tryToRecover() {
+  next_try_m_ = local_.distance_m() + kTryEvery_m;
+  const std::optional<PoseWithCovariance2> place = findPlace();
+  if (!place) {
+    found_.reset();
+    return;
+  }
+  const Pose2 map_from_local = place->pose * local_from_base_.inverse();
+  const std::optional<Pose2> before = std::exchange(found_, map_from_local);
+  if (!before) return;
+  const Pose2 difference = (*before * local_from_base_).inverse() * place->pose;
+  if (difference.translation().norm() > kSamePlace_m ||
+      std::abs(difference.yaw_rad) > kSamePlace_rad) {
+    return;
+  }
+  resume(*place);
+}
+
+std::optional<PoseWithCovariance2> RecoveringSlam::findPlace() const {
+  const Constellation seen = local_.points();
+  if (static_cast<int>(seen.size()) < parameters_.constellation.minimum_pairs) return std::nullopt;
+  const Constellation map = mapConstellation();
+  std::vector<PoseHypothesis> hypotheses = layOver(map, seen, matchers_, parameters_.constellation);
+  const std::vector<LocalConstellation::PlacedView> views = local_.views();
+  for (PoseHypothesis& hypothesis : hypotheses) {
+    std::vector<bool> paired(map.size(), false);
+    for (const ConstellationPair& pair : hypothesis.pairs) paired[pair.target] = true;
+    hypothesis.score += contradiction(map, paired, hypothesis.target_from_source.pose, views);
+  }
+  const PoseHypothesis* best =
+      uniqueHypothesis(hypotheses, seen.size(), chanceScore(map, parameters_.constellation),
+                       parameters_.constellation);
+  if (best == nullptr) return std::nullopt;
+  PoseWithCovariance2 place = best->target_from_source;
+  const Eigen::Vector3d floor(kFoundSigma_m, kFoundSigma_m, kFoundSigma_rad);
+  place.covariance += Eigen::Matrix3d(floor.cwiseAbs2().asDiagonal());
+  return place;
+}
+
+Constellation RecoveringSlam::mapConstellation() const {
+  Constellation map;
+  for (const LandmarkEstimate& estimate : filter_.landmarks().landmarks) {
+    if (estimate.existence_log_odds < filter_parameters_.confirm_log_odds) continue;
+    map.push_back({estimate.type, estimate.mean_m, estimate.covariance_m2,
+                   filter_.registry().find(estimate.id)->views, estimate.orientation_rad,
+                   estimate.orientation_variance_rad2});
+  }
+  return map;
+}
+
+void RecoveringSlam::resume(const PoseWithCovariance2& map_from_base) {
+  FastSlam moved = filter_;
+  moved.setPose(map_from_base, stamp_ns_);
+  memories_.clear();
+  memories_.push_back({filter_, map_from_base.pose, local_from_base_, stamp_ns_});
+  filter_ = std::move(moved);
+  on_probation_ = true;
+  probation_left_m_ = kProbation_m;
+  reason_ = LostReason::kTracking;
+  last_good_view_.reset();
+  local_.clear();
+  detector_.clear();
+  views_.clear();
+  contradicting_since_ns_ = 0;
+  found_.reset();
+}
+
+PoseWithCovariance2 RecoveringSlam::estimate() const {
+  if (!lost()) return filter_.estimate();
+  PoseWithCovariance2 unknown = dead_reckoned_;
+  unknown.covariance =
+      Eigen::Vector3d(kLostSigma_m, kLostSigma_m, kLostSigma_rad).cwiseAbs2().asDiagonal();
+  return unknown;
+}
+
+void RecoveringSlam::setPose(const PoseWithCovariance2& map_from_base) {
+  if (!started()) {
+    filter_.setPose(map_from_base);
+    reason_ = LostReason::kTracking;
+    return;
+  }
+  resume(map_from_base);
+}
+
+Pose2 RecoveringSlam::followTrajectory(const Trajectory& smoothed) {
+  if (lost()) throw std::runtime_error("the robot is lost: its map stays as it is");
+  const Pose2 map_from_smoothed = filter_.followTrajectory(smoothed);
+  memories_.clear();
+  on_probation_ = false;
+  detector_.clear();
+  return map_from_smoothed;
+}
+
+void RecoveringSlam::forgetPose() {
+  if (!parameters_.enabled || filter_.registry().records().empty()) return;
+  memories_.clear();
+  loseTrack(LostReason::kAsked);
+}
+
+void RecoveringSlam::setMap(const LandmarkMap& map) {
+  filter_.setMap(map);
+  forgetPose();
+}
+
+}  // namespace ram_slam
