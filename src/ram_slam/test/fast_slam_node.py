@@ -1,0 +1,333 @@
+#!/usr/bin/python3
+"""fast_slam as a node, against a robot that the test plays: features, odometry's services and tf.
+
+The robot drives along x at 0.5 m/s past poles; kinematics is a server in here, which can refuse and go away.
+"""
+import math
+import sys
+import threading
+import time
+import unittest
+
+import rospy
+import rostest
+import tf2_ros
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
+from ram_slam_msgs.msg import Feature, FeatureList, LandmarkMap
+from ram_slam_msgs.srv import PredictStateWithCovariance, PredictStateWithCovarianceResponse
+from std_msgs.msg import Bool
+from std_srvs.srv import Empty, SetBool, Trigger
+
+TIMEOUT_S = 10.0
+PERIOD_S = 0.1
+SPEED = 0.5
+POLES = [(x + 0.7 * (i % 3), 2.0 - 4.0 * (i % 2)) for i, x in enumerate(range(1, 60, 2))]
+VARIANCE = 1e-4
+
+
+def wait_until(condition, timeout=TIMEOUT_S):
+    deadline = time.time() + timeout
+    while time.time() < deadline:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def feature(x, y, variance=VARIANCE):
+    message = Feature()
+    message.type = "pole"
+    message.pose.pose.position.x = x
+    message.pose.pose.position.y = y
+    message.pose.pose.orientation.w = 1.0
+    message.pose.covariance = [0.0] * 36
+    message.pose.covariance[0] = message.pose.covariance[7] = variance
+    for i in (14, 21, 28, 35):
+        message.pose.covariance[i] = 1e6
+    return message
+
+
+class Topic:
+    """What came on a topic."""
+
+    def __init__(self, name, kind):
+        self.messages = []
+        self.subscriber = rospy.Subscriber(name, kind, self.messages.append, queue_size=1000, tcp_nodelay=True)
+
+
+class FastSlamNode(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.pose = Topic("pose", PoseWithCovarianceStamped)
+        cls.lost = Topic("lost", Bool)
+        cls.landmarks = Topic("landmarks", LandmarkMap)
+        cls.diagnostics = Topic("/diagnostics", DiagnosticArray)
+        cls.features = rospy.Publisher("features", FeatureList, queue_size=100, tcp_nodelay=True)
+        cls.initial_pose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=10)
+        cls.broadcaster = tf2_ros.TransformBroadcaster()
+        cls.buffer = tf2_ros.Buffer()
+        cls.listener = tf2_ros.TransformListener(cls.buffer)
+        cls.service = None
+        cls.used = False
+        cls.odometry_from = cls.odometry_to = 0.0
+        cls.now = math.floor(time.time())  # stamps near the wall clock, which tf consumers use
+        cls.start = cls.now
+        cls.serve()
+        assert wait_until(lambda: cls.features.get_num_connections() > 0 and
+                          cls.pose.subscriber.get_num_connections() > 0 and
+                          cls.initial_pose.get_num_connections() > 0)
+
+    @classmethod
+    def serve(cls):
+        cls.service = rospy.Service("kinematics/predict_with_covariance", PredictStateWithCovariance, cls.predict)
+
+    @classmethod
+    def predict(cls, request):
+        start, end = request.from_.to_sec(), request.to.to_sec()
+        if start < cls.odometry_from - 1e-6 or end > cls.odometry_to + 1e-6:
+            return None
+        moved = SPEED * (end - start)
+        variance = 1e-6 + 1e-5 * moved
+        return PredictStateWithCovarianceResponse(
+            [moved, 0.0, 0.0], [variance, 0, 0, 0, variance, 0, 0, 0, 0.1 * variance])
+
+    @classmethod
+    def x(cls, stamp=None):
+        return SPEED * ((cls.now if stamp is None else stamp) - cls.start)
+
+    def setUp(self):
+        """A filter that starts anew at the robot's place."""
+        cls = type(self)
+        if cls.service is None:
+            cls.serve()
+        rospy.wait_for_service("fast_slam/reset", TIMEOUT_S)
+        self.assertTrue(rospy.ServiceProxy("fast_slam/reset", Trigger)().success)
+        # Stamps never go back from test to test, or tf would drop them.
+        cls.now = max(cls.now + 5.0, math.floor(time.time())) if cls.used else math.floor(time.time())
+        cls.used = True
+        cls.start = cls.now + PERIOD_S  # the first reading's place is the map's origin
+        cls.odometry_from = cls.now - 10.0
+        cls.odometry_to = cls.now
+
+    def list_at(self, stamp):
+        message = FeatureList()
+        message.header.stamp = rospy.Time.from_sec(stamp)
+        message.header.frame_id = "base_link"
+        x = self.x(stamp)
+        message.features = [feature(px - x, py) for px, py in POLES if abs(px - x) < 6.0]
+        return message
+
+    def step(self, odometry=True):
+        """One reading further; returns its stamp."""
+        cls = type(self)
+        cls.now = round(cls.now + PERIOD_S, 3)
+        if odometry:
+            cls.odometry_to = cls.now
+        transform = TransformStamped()
+        transform.header.stamp = rospy.Time.from_sec(cls.now)
+        transform.header.frame_id = "odom"
+        transform.child_frame_id = "base_link"
+        transform.transform.translation.x = self.x()
+        transform.transform.rotation.w = 1.0
+        self.broadcaster.sendTransform(transform)
+        self.features.publish(self.list_at(cls.now))
+        return cls.now
+
+    def answered(self, stamp, timeout=TIMEOUT_S):
+        return wait_until(lambda: any(abs(m.header.stamp.to_sec() - stamp) < 1e-6 for m in self.pose.messages),
+                          timeout)
+
+    def drive(self, count):
+        for _ in range(count):
+            stamp = self.step()
+            self.assertTrue(self.answered(stamp), "no pose for a list")
+        return self.pose.messages[-1]
+
+    # The first one by name: its stamps must be those of the wall clock.
+    def test_a_consumer_of_tf_sees_no_error_while_the_filter_stands_still(self):
+        def in_real_time(odometry=True):
+            self.step(odometry)
+            time.sleep(max(0.0, self.now - time.time()))
+
+        def at_now():
+            return self.buffer.can_transform("map", "odom", rospy.Time.now())
+
+        for _ in range(20):
+            in_real_time()
+        self.assertTrue(wait_until(at_now))
+        errors = []
+        stop = threading.Event()
+
+        def consume():
+            while not stop.is_set():
+                try:
+                    self.buffer.lookup_transform("map", "odom", rospy.Time.now())
+                except tf2_ros.TransformException as error:
+                    errors.append(str(error))
+                time.sleep(0.05)
+
+        consumer = threading.Thread(target=consume)
+        consumer.start()
+        for _ in range(20):
+            in_real_time()
+        in_real_time(odometry=False)  # the filter waits for odometry for a second
+        time.sleep(1.5)
+        stop.set()
+        consumer.join()
+        self.assertEqual(errors, [])
+
+    def test_every_list_gets_a_pose_of_its_stamp_that_is_right(self):
+        last = self.drive(40)
+        self.assertAlmostEqual(last.pose.pose.position.x, self.x(), delta=0.05)
+        self.assertAlmostEqual(last.pose.pose.position.y, 0.0, delta=0.05)
+        self.assertLess(last.pose.covariance[0], 0.01)
+
+    def test_an_empty_list_is_a_reading(self):
+        self.drive(3)
+        type(self).now = round(self.now + PERIOD_S, 3)
+        type(self).odometry_to = self.now
+        message = self.list_at(self.now)
+        message.features = []
+        self.features.publish(message)
+        self.assertTrue(self.answered(self.now))
+
+    def test_lists_from_before_the_odometry_are_dropped(self):  # F58
+        type(self).odometry_from = self.now + 0.25
+        early = [self.step(), self.step()]
+        type(self).odometry_from = self.now + 0.05
+        late = self.step()
+        self.assertTrue(self.answered(late))
+        for stamp in early:
+            self.assertFalse(self.answered(stamp, 0.0))
+        self.assertAlmostEqual(self.pose.messages[-1].pose.pose.position.x, 0.0, delta=0.02)
+
+    def test_a_list_waits_for_late_odometry(self):
+        self.drive(3)
+        stamp = self.step(odometry=False)
+        self.assertFalse(self.answered(stamp, 0.3))
+        type(self).odometry_to = self.now
+        self.assertTrue(self.answered(stamp, 1.0))
+
+    def test_goes_on_after_kinematics_died(self):  # F57, F142
+        cls = type(self)
+        self.drive(20)
+        cls.service.shutdown("test")
+        cls.service = None
+        silent = [self.step() for _ in range(3)]
+        time.sleep(1.5)
+        self.assertFalse(any(self.answered(stamp, 0.0) for stamp in silent))
+        cls.serve()
+        cls.odometry_from = self.now - 0.05  # what was before is gone
+        for _ in range(30):
+            self.step()
+            time.sleep(0.05)
+        self.assertTrue(self.answered(self.now))
+        # The map's landmarks are still in view: the filter knows how far the robot came.
+        self.drive(5)
+        self.assertAlmostEqual(self.pose.messages[-1].pose.pose.position.x, self.x(), delta=0.1)
+
+    def test_bad_features_change_nothing(self):  # F121, F123, F125, F126
+        self.drive(10)
+        stamp = self.step()
+        self.assertTrue(self.answered(stamp))
+        before = self.pose.messages[-1]
+        nan, inf = float("nan"), float("inf")
+        wrong_frame = self.list_at(stamp)
+        wrong_frame.header.frame_id = "laser"
+        no_stamp = self.list_at(stamp)
+        no_stamp.header.stamp = rospy.Time(0)
+        old = self.list_at(stamp - 0.5)
+        for message in (wrong_frame, no_stamp, old):
+            self.features.publish(message)
+        bad = [feature(nan, 0.0), feature(1.0, inf), feature(1.0, 1.0, nan), feature(1.0, 1.0, 0.0),
+               feature(1.0, 1.0, -1.0)]
+        no_rotation = feature(1.0, 1.0)
+        no_rotation.pose.pose.orientation.w = 0.0
+        only_bad = self.list_at(stamp)
+        only_bad.features = bad + [no_rotation]
+        self.features.publish(only_bad)
+        # The same stamp once more: answered from the very state as before, but for an empty list's nothing.
+        count = len(self.pose.messages)
+        self.assertTrue(wait_until(lambda: len(self.pose.messages) > count))
+        after = self.pose.messages[-1]
+        self.assertEqual(before.header.stamp, after.header.stamp)
+        # without a feature the pose is the motion's alone, a few centimetres from the corrected one at most
+        self.assertAlmostEqual(before.pose.pose.position.x, after.pose.pose.position.x, delta=0.05)
+        self.drive(3)
+        self.assertAlmostEqual(self.pose.messages[-1].pose.pose.position.x, self.x(), delta=0.05)
+
+    def test_survives_huge_lists_and_classifiers(self):  # F122, F124
+        self.drive(3)
+        stamp = round(self.now + PERIOD_S, 3)
+        type(self).now = type(self).odometry_to = stamp
+        message = self.list_at(stamp)
+        message.features[0].classifier = "x" * 1000000
+        message.features += [feature(5.0 + 0.001 * i, 3.0) for i in range(20000)]
+        self.features.publish(message)
+        self.assertTrue(self.answered(stamp, 60.0))
+        self.assertAlmostEqual(self.pose.messages[-1].pose.pose.position.x, self.x(), delta=0.1)
+
+    def test_starts_over_when_the_clock_is_set_back(self):
+        self.drive(20)
+        type(self).now -= 5.0
+        type(self).start = self.now + PERIOD_S
+        type(self).odometry_from = self.now - 1.0
+        stamp = self.step()
+        # The stamp was answered before the jump, too: a new answer must come, from the origin.
+        self.assertTrue(wait_until(lambda: abs(self.pose.messages[-1].header.stamp.to_sec() - stamp) < 1e-6))
+        self.assertAlmostEqual(self.pose.messages[-1].pose.pose.position.x, 0.0, delta=0.02)
+
+    def test_initial_pose_is_taken_over_or_rejected(self):  # F132
+        self.drive(3)
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = "map"
+        message.pose.pose.position.x = 30.0
+        message.pose.pose.orientation.w = 1.0  # covariance all zero: floored
+        wrong = PoseWithCovarianceStamped()
+        wrong.header.frame_id = "odom"
+        wrong.pose.pose.position.x = 50.0
+        wrong.pose.pose.orientation.w = 1.0
+        not_finite = PoseWithCovarianceStamped()
+        not_finite.header.frame_id = "map"
+        not_finite.pose.pose.position.x = float("nan")
+        not_finite.pose.pose.orientation.w = 1.0
+        self.initial_pose.publish(message)
+        self.initial_pose.publish(wrong)
+        self.initial_pose.publish(not_finite)
+        time.sleep(0.5)
+        # Far from every landmark that it knows: nothing corrects it.
+        self.assertAlmostEqual(self.drive(1).pose.pose.position.x, 30.0, delta=0.3)
+
+    def test_pause_drops_features(self):
+        self.drive(2)
+        pause = rospy.ServiceProxy("fast_slam/pause", SetBool)
+        self.assertTrue(pause(True).success)
+        self.assertFalse(self.answered(self.step(), 0.5))
+        self.assertTrue(pause(False).success)
+        self.drive(2)
+
+    def test_global_localization_finds_the_robot_in_its_map(self):
+        self.assertTrue(wait_until(lambda: self.lost.messages and not self.lost.messages[-1].data))
+        self.drive(200)  # 10 m
+        globally = rospy.ServiceProxy("global_localization", Empty)
+        globally()
+        self.assertTrue(wait_until(lambda: self.lost.messages[-1].data))
+        lost = self.drive(1)
+        self.assertGreater(lost.pose.covariance[0], 1000.0)
+        self.assertTrue(wait_until(lambda: any(
+            status.level == 2 and status.message.startswith("lost")
+            for message in self.diagnostics.messages[-10:] for status in message.status
+            if status.name.endswith("localisation"))))
+        for _ in range(300):
+            self.drive(1)
+            if not self.lost.messages[-1].data:
+                break
+        self.assertFalse(self.lost.messages[-1].data, "not found again within 15 m")
+        found = self.drive(1)
+        self.assertAlmostEqual(found.pose.pose.position.x, self.x(), delta=0.15)
+        self.assertAlmostEqual(found.pose.pose.position.y, 0.0, delta=0.15)
+
+if __name__ == "__main__":
+    rospy.init_node("fast_slam_node_test")
+    rostest.rosrun("ram_slam", "fast_slam_node", FastSlamNode, sys.argv)
