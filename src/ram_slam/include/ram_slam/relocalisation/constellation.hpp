@@ -45,7 +45,7 @@ struct ConstellationParameters {
 
   /// Of uniqueHypothesis().
   int minimum_pairs = 4;
-  double minimum_score = 12.0;    ///< [nat] over the score of unrelated constellations
+  double minimum_score = 10.0;    ///< [nat] over the score of unrelated constellations
   double minimum_lead = 6.0;      ///< [nat] over the second best
   double minimum_overlap = 0.45;  ///< share of the source's points that have a partner
 
