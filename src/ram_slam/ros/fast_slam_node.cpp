@@ -184,7 +184,37 @@ void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped&
   }
 }
 
-  trajectory_.publish(toPath(filter_->filter().trajectory(), node_parameters_.frames.map));
+void FastSlamNode::onSmoothedTrajectory(const nav_msgs::Path& message) {
+  try {
+    ram_slam::Trajectory trajectory = toTrajectory(message);
+    const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
+    if (!lock.owns_lock()) throw std::runtime_error("the filter is busy");
+    const ram_slam::Pose2 map_from_smoothed = filter_->followTrajectory(trajectory);
+    for (ram_slam::StampedPose2& stamped : trajectory)
+      stamped.pose = map_from_smoothed * stamped.pose;
+    corrected_trajectory_.publish(toPath(trajectory, node_parameters_.frames.map));
+    last_output_ns_ = 0;
+    publishPose();
+    publishMap();
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected a smoothed trajectory: " << error.what());
+  }
+}
+
+bool FastSlamNode::onGlobalLocalization(std_srvs::Empty::Request& /*request*/,
+                                        std_srvs::Empty::Response& /*response*/) {
+  const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
+  if (!lock.owns_lock()) {
+    ROS_WARN("No global localization: the filter is busy");
+    return false;
+  }
+  filter_->forgetPose();
+  if (!filter_->lost()) {
+    ROS_WARN("No global localization: there is no map yet, or relocalisation is disabled");
+    return false;
+  }
+  publishLost();
+  return true;
 }
 
 bool FastSlamNode::onReset(std_srvs::Trigger::Request& /*request*/,
