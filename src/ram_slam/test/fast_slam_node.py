@@ -292,10 +292,9 @@ class FastSlamNode(unittest.TestCase):
         not_finite.header.frame_id = "map"
         not_finite.pose.pose.position.x = float("nan")
         not_finite.pose.pose.orientation.w = 1.0
-        self.initial_pose.publish(message)
-        self.initial_pose.publish(wrong)
-        self.initial_pose.publish(not_finite)
-        time.sleep(0.5)
+        for each in (message, wrong, not_finite):  # apart: the node keeps the newest two
+            self.initial_pose.publish(each)
+            time.sleep(0.3)
         # Far from every landmark that it knows: nothing corrects it.
         self.assertAlmostEqual(self.drive(1).pose.pose.position.x, 30.0, delta=0.3)
 
