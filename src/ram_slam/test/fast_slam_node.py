@@ -246,9 +246,9 @@ class FastSlamNode(unittest.TestCase):
         no_rotation.pose.pose.orientation.w = 0.0
         only_bad = self.list_at(stamp)
         only_bad.features = bad + [no_rotation]
+        count = len(self.pose.messages)
         self.features.publish(only_bad)
         # The same stamp once more: answered from the very state as before, but for an empty list's nothing.
-        count = len(self.pose.messages)
         self.assertTrue(wait_until(lambda: len(self.pose.messages) > count))
         after = self.pose.messages[-1]
         self.assertEqual(before.header.stamp, after.header.stamp)
