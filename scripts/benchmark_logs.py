@@ -13,6 +13,7 @@ from pathlib import Path
 LOG_ENDINGS = (".clf", ".clf.xz", ".clf.gz", ".log", ".log.xz", ".log.gz")
 COLUMNS = ("log", "trajectory", "relations", "m, mean ± std", "Cartographer's m", "deg, mean ± std",
            "> 30 s apart: m", "> 30 s apart: deg", "CPU s", "× real time", "MB")
+TRAJECTORIES = {"trajectory": "final", "trajectory_filter": "filter", "trajectory_online": "as known then"}
 
 
 def logs_in(folder):
@@ -52,9 +53,9 @@ def main():
         subprocess.run(["taskset", "-c", "0", "rosrun", "ramscout_bringup", "run_bag", str(log), "--output", str(folder)],
                        check=True, stdout=subprocess.DEVNULL)
         timing = json.loads((folder / "timing.json").read_text())
-        for trajectory in ("trajectory", "trajectory_online"):
+        for trajectory, label in TRAJECTORIES.items():
             errors = evaluate(folder / (trajectory + ".tum"), relations)
-            rows.append(row_of(name, "final" if trajectory == "trajectory" else "online", errors, timing))
+            rows.append(row_of(name, label, errors, timing))
             details.append({"log": name, "trajectory": trajectory, "errors": list(errors.values()), "timing": timing})
     if not rows:
         sys.exit("no log with relations in " + str(logs))
