@@ -13,9 +13,9 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kPassedLogOdds = -2.0;     // a look well past a landmark
-constexpr int kWitnesses = 10;              // particles that are asked whether a landmark is missing
-constexpr double kMemory = 0.95;            // of the running means of quality, per list
+constexpr double kPassedLogOdds = -2.0;  // a look well past a landmark
+constexpr int kWitnesses = 10;           // particles that are asked whether a landmark is missing
+constexpr double kMemory = 0.95;         // of the running means of quality, per list
 constexpr double kFeatureDistance_m = 5.0;  // typical: turns errors of features into errors of yaw
 constexpr double kSymmetryTolerance = 1e-9;
 
@@ -108,10 +108,7 @@ void FastSlam::setMap(const LandmarkMap& map) {
     record.id = estimate.id;
     record.type = estimate.type;
     record.classifier = estimate.classifier;
-    const FeatureMatcher* const by_looks = matcher(record.type);
-    const DescriptorPointer looks = by_looks != nullptr && !record.classifier.empty()
-                                        ? by_looks->parse(record.classifier)
-                                        : nullptr;
+    const DescriptorPointer looks = describe(record.type, record.classifier);
     if (looks != nullptr) record.views.push_back(looks);
     record.existence_log_odds = std::clamp(estimate.existence_log_odds, parameters_.delete_log_odds,
                                            parameters_.maximum_log_odds);
@@ -173,12 +170,14 @@ bool FastSlam::isDue(const FeatureList& list, const Step& step) const {
 std::vector<DescriptorPointer> FastSlam::describe(const FeatureList& list) const {
   std::vector<DescriptorPointer> descriptors;
   descriptors.reserve(list.features.size());
-  for (const Feature& feature : list.features) {
-    const FeatureMatcher* const by_looks = matcher(feature.type);
-    const bool described = by_looks != nullptr && !feature.classifier.empty();
-    descriptors.push_back(described ? by_looks->parse(feature.classifier) : nullptr);
-  }
+  for (const Feature& feature : list.features)
+    descriptors.push_back(describe(feature.type, feature.classifier));
   return descriptors;
+}
+
+DescriptorPointer FastSlam::describe(const std::string& type, const std::string& classifier) const {
+  const FeatureMatcher* const by_looks = matcher(type);
+  return by_looks != nullptr && !classifier.empty() ? by_looks->parse(classifier) : nullptr;
 }
 
 FastSlam::Step FastSlam::step(std::int64_t stamp_ns, const MotionModel& motion) const {

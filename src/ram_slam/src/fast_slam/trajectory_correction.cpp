@@ -53,16 +53,6 @@ private:
   std::int64_t last_ns_ = 0;
 };
 
-Eigen::Matrix3d rotated(const Eigen::Matrix3d& covariance, double yaw_rad) {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(yaw_rad).toRotationMatrix();
-  return rotation * covariance * rotation.transpose();
-}
-
-PoseWithCovariance2 moved(const PoseWithCovariance2& pose, const Pose2& new_from_old) {
-  return {new_from_old * pose.pose, rotated(pose.covariance, new_from_old.yaw_rad)};
-}
-
 }  // namespace
 
 Pose2 FastSlam::followTrajectory(const Trajectory& corrected) {
@@ -84,14 +74,14 @@ Pose2 FastSlam::followTrajectory(const Trajectory& corrected) {
                     rotation * landmark.covariance_m2 * rotation.transpose()};
   });
 
-  const Pose2 now = correction.newFromOld(stamp_ns_);
+  const PoseWithCovariance2 now{correction.newFromOld(stamp_ns_), Eigen::Matrix3d::Zero()};
   const Path path = correction.correctedPath();
   for (Particle& particle : particles_) {
-    particle.map_from_base = now * particle.map_from_base;
-    particle.proposal = moved(particle.proposal, now);
+    particle.map_from_base = now.pose * particle.map_from_base;
+    particle.proposal = now * particle.proposal;
     particle.path = path;
   }
-  estimate_ = moved(estimate_, now);
+  estimate_ = now * estimate_;
   for (LandmarkRecord& record : registry_.records()) refreshBounds(record);
   removeDuplicates();
   return correction.mapFromCorrected();

@@ -128,6 +128,8 @@ private:
   Step step(std::int64_t stamp_ns, const MotionModel& motion) const;
   void move(const Step& step);
   std::vector<DescriptorPointer> describe(const FeatureList& list) const;
+  /// Null without a matcher for the type or without a classifier.
+  DescriptorPointer describe(const std::string& type, const std::string& classifier) const;
   std::vector<Observation> observe(const FeatureList& list,
                                    const std::vector<DescriptorPointer>& descriptors) const;
   /// Whether the maps shall be updated: not while nothing new is to be seen.
