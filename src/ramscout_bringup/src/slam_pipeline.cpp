@@ -143,6 +143,7 @@ void SlamPipeline::updateFilter(const ScanReading& reading) {
   }
   motion_.forget();
   feature_count_ += features.features.size();
+  ++list_count_;
 }
 
 void SlamPipeline::refineOdometry(const ScanReading& reading) {
@@ -223,8 +224,8 @@ Results SlamPipeline::finish() {
       {"duration_s",
        static_cast<double>(online_.back().stamp_ns - online_.front().stamp_ns) * 1e-9},
       {"distance_m", pathLength(results.trajectory)},
-      {"features_per_scan",
-       static_cast<double>(feature_count_) / static_cast<double>(online_.size())},
+      {"features_per_scan", static_cast<double>(feature_count_) /
+                                static_cast<double>(std::max<std::size_t>(list_count_, 1))},
       {"landmarks", results.landmarks.size()},
       {"loop_closures", loop_closures_},
       {"scans_with_wheel_slip", slip_count_},

@@ -29,16 +29,18 @@ struct Results {
   std::vector<MapLandmark> landmarks;
   Trajectory trajectory;         ///< the final estimate: map_from_base at each scan's stamp
   Trajectory trajectory_online;  ///< the estimate as it was known at each stamp
-  /// The estimator's own trajectory as it stood at the end, before the final smoothing; may be empty
+  /// The estimator's own trajectory as it stood at the end, before the final smoothing; may be
+  /// empty
   Trajectory trajectory_filter;
-  Trajectory ground_truth;       ///< empty if unknown; in a frame of its own
-  std::string pose_graph_g2o;    ///< empty if no graph was made
+  Trajectory ground_truth;     ///< empty if unknown; in a frame of its own
+  std::string pose_graph_g2o;  ///< empty if no graph was made
   nlohmann::ordered_json summary;
 };
 
 /// Writes map.pgm, map.yaml, map.png, trajectory.tum, trajectory_online.tum, landmarks.yaml,
-/// summary.json and, if there, trajectory_filter.tum, ground_truth.tum and pose_graph.g2o. Each file replaces an older one
-/// in one step. \throws std::system_error naming the file and the system's reason
+/// summary.json and, if there, trajectory_filter.tum, ground_truth.tum and pose_graph.g2o. Each
+/// file replaces an older one in one step. \throws std::system_error naming the file and the
+/// system's reason
 void writeResults(const Results& results, const std::string& folder);
 
 /// The landmarks as YAML: a list of maps with the fields of MapLandmark, covariance row by row.

@@ -62,13 +62,13 @@ private:
   void feedKinematics(std::int64_t stamp_ns, const ram_slam::Pose2& odom_from_base);
   void refineOdometry(const ScanReading& reading);
   /// Whether the robot has moved since the filter's last reading so far that it would learn from
-  /// another one. The node takes every reading, at the same result and twice the cost.
+  /// another one. The node takes every reading, which costs more and averages their noise.
   bool teachesFilter(std::int64_t stamp_ns) const;
   void updateFilter(const ScanReading& reading);
   /// The filter's estimate, moved on to a stamp.
   ram_slam::Pose2 poseNow(std::int64_t stamp_ns) const;
-  /// Lets the filter know of closures that the smoother has found since.
   bool smooths() const { return parameters_.use_laser_odometry && parameters_.use_map_smoother; }
+  /// Lets the filter know of closures that the smoother has found since.
   void followSmoother();
   void smooth(Results& results);
   bool isKeyScan(const ram_slam::Pose2& map_from_laser);
@@ -88,6 +88,7 @@ private:
   std::optional<ram_slam::Pose2> last_key_;  ///< where the laser was at the newest of them
   Trajectory online_;
   std::size_t feature_count_ = 0;
+  std::size_t list_count_ = 0;  ///< of features: readings that the filter was shown
   std::size_t slip_count_ = 0;
   int loop_closures_ = 0;
   ram_slam::Pose2 followed_map_from_odom_;  ///< of the smoother, when the filter followed it last
