@@ -45,8 +45,9 @@ void castRays(benchmark::State& state) {
   const RayCaster caster(building.world, static_cast<InstructionSet>(state.range(1)));
   const auto scans = scansAlong(building.tour);
   std::int64_t rays = 0;
+  std::size_t next = 0;
   for (auto _ : state) {
-    const Rays& scan = scans[static_cast<std::size_t>(state.iterations()) % scans.size()];
+    const Rays& scan = scans[next++ % scans.size()];
     benchmark::DoNotOptimize(caster.cast(scan));
     rays += static_cast<std::int64_t>(scan.size());
   }
@@ -81,8 +82,9 @@ void castRaysWithOde(benchmark::State& state) {
   }
   const dGeomID ode_ray = dCreateRay(nullptr, 30.0);
   std::int64_t rays = 0;
+  std::size_t next = 0;
   for (auto _ : state) {
-    const Rays& scan = scans[static_cast<std::size_t>(state.iterations()) % scans.size()];
+    const Rays& scan = scans[next++ % scans.size()];
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const Ray ray = scan[i];
       dGeomRaySet(ode_ray, ray.origin_m.x(), ray.origin_m.y(), ray.origin_m.z(), ray.direction.x(),

@@ -9,63 +9,36 @@
 #include <stdexcept>
 #include <utility>
 
-#include <embree3/rtcore.h>
-
 #include "ramscout_sim/moving_solids.hpp"
 
-#include "triangles.hpp"
+#include "ray_scene.hpp"
 
 namespace ramscout_sim {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-const char* nameOf(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::kSse42:
-      return "sse4.2";
-    case InstructionSet::kAvx:
-      return "avx";
-    case InstructionSet::kAvx2:
-      return "avx2";
-    case InstructionSet::kAvx512:
-      return "avx512";
-  }
-  throw std::logic_error("unknown instruction set");
-}
+/// Packets of sixteen rays for AVX-512; with narrower registers those of eight are faster.
+struct Sixteen {
+  static constexpr int kWidth = 16;
+  using Packet = RTCRayHit16;
+  static constexpr auto kIntersect = rtcIntersect16;
+};
+struct Eight {
+  static constexpr int kWidth = 8;
+  using Packet = RTCRayHit8;
+  static constexpr auto kIntersect = rtcIntersect8;
+};
 
 }  // namespace
 
 class RayCaster::Implementation {
 public:
-  Implementation(const World& world, InstructionSet widest) {
-    device_ = rtcNewDevice((std::string("threads=1,max_isa=") + nameOf(widest)).c_str());
-    if (!device_)
-      throw std::runtime_error("Embree could not be started, error " +
-                               std::to_string(rtcGetDeviceError(nullptr)));
-    scene_ = rtcNewScene(device_);
-    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-    for (auto& [kind, surfaces] : trianglesOf(world)) {
-      attach(surfaces);
-      kinds_.push_back(kind);
-      surfaces_.push_back(std::move(surfaces));
-    }
-    rtcCommitScene(scene_);
-    const RTCError error = rtcGetDeviceError(device_);
-    if (error != RTC_ERROR_NONE)
-      throw std::runtime_error("Embree could not build the scene, error " + std::to_string(error));
-  }
-  ~Implementation() {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-  Implementation(const Implementation&) = delete;
-  Implementation& operator=(const Implementation&) = delete;
+  Implementation(const World& world, InstructionSet widest) : scene_(world, widest) {}
 
   std::vector<float> cast(const Rays& rays) const {
     std::vector<float> distances_m(rays.size());
-    eachPacket(rays, [&](Eigen::Index first, int filled, const RTCRayHit16& packet) {
+    eachPacket(rays, [&](Eigen::Index first, int filled, const auto& packet) {
       std::copy_n(packet.ray.tfar, filled, distances_m.begin() + first);
     });
     return distances_m;
@@ -73,44 +46,57 @@ public:
 
   std::vector<Hit> trace(const Rays& rays) const {
     std::vector<Hit> hits(rays.size());
-    eachPacket(rays, [&](Eigen::Index first, int filled, const RTCRayHit16& packet) {
+    eachPacket(rays, [&](Eigen::Index first, int filled, const auto& packet) {
       for (int i = 0; i < filled; ++i) {
-        if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-        const SurfaceKind& kind = kinds_[packet.hit.geomID[i]];
+        const unsigned geometry = packet.hit.geomID[i];
+        if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
         const Eigen::Vector3f normal(packet.hit.Ng_x[i], packet.hit.Ng_y[i], packet.hit.Ng_z[i]);
-        hits[static_cast<std::size_t>(first + i)] = {packet.ray.tfar[i], normal.normalized(),
-                                                     kind.material, kind.two_sided};
+        hits[static_cast<std::size_t>(first + i)] = {
+            packet.ray.tfar[i], normal.normalized(),
+            static_cast<std::uint32_t>(scene_.solidOf(geometry, packet.hit.primID[i]).material),
+            RayScene::isMesh(geometry)};
       }
     });
     return hits;
   }
 
 private:
-  static constexpr int kPacket = 16;
-
-  /// Calls `use(index of the first ray, count, result)` for every sixteen rays.
   template <typename Use>
   void eachPacket(const Rays& rays, const Use& use) const {
+    if (scene_.takesSixteen())
+      eachPacketOf<Sixteen>(rays, use);
+    else
+      eachPacketOf<Eight>(rays, use);
+  }
+
+  /// Calls `use(index of the first ray, count, result)` for every packet.
+  template <typename Width, typename Use>
+  void eachPacketOf(const Rays& rays, const Use& use) const {
+    constexpr int kPacket = Width::kWidth;
     const Eigen::Index count = rays.origins_m.rows();
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    RTCRayHit16 packet = {};
+    typename Width::Packet packet = {};
     std::fill_n(packet.ray.mask, kPacket, ~0U);
     for (Eigen::Index first = 0; first < count; first += kPacket) {
       const int filled = static_cast<int>(std::min<Eigen::Index>(kPacket, count - first));
       alignas(64) std::array<int, kPacket> valid = {};
       std::fill_n(valid.begin(), filled, -1);
-      fill(rays, first, filled, packet);
-      rtcIntersect16(valid.data(), scene_, &context, &packet);
-      refine(filled, packet);
+      if (filled == kPacket)
+        fill<kPacket>(rays, first, kPacket, packet);  // of a size that the compiler knows
+      else
+        fill<kPacket>(rays, first, filled, packet);
+      Width::kIntersect(valid.data(), scene_.tree(), &context, &packet);
+      refine<kPacket>(filled, packet);
       use(first, filled, packet);
     }
   }
 
-  /// Single precision places a surface to a micrometre, which a grazing ray sees as millimetres,
-  /// and curved solids are polygons here: how far such rays go is computed again.
-  void refine(int count, RTCRayHit16& packet) const {
+  /// Single precision places a surface to a micrometre, which a grazing ray sees as millimetres:
+  /// how far such rays go is computed again, as it is for those that hit a box from inside.
+  template <int kPacket, typename Packet>
+  void refine(int count, Packet& packet) const {
     constexpr float kGrazing = 0.02F;  // cosine of the incidence
     const auto& [ray, hit] = packet;
     std::array<int, kPacket> inexact;
@@ -119,43 +105,54 @@ private:
           hit.Ng_x[i] * ray.dir_x[i] + hit.Ng_y[i] * ray.dir_y[i] + hit.Ng_z[i] * ray.dir_z[i];
       const float square =
           hit.Ng_x[i] * hit.Ng_x[i] + hit.Ng_y[i] * hit.Ng_y[i] + hit.Ng_z[i] * hit.Ng_z[i];
-      inexact[i] = across * across < kGrazing * kGrazing * square ? 1 : 0;
+      const bool grazing = across * across < kGrazing * kGrazing * square;
+      const bool from_inside = across > 0.0F;
+      inexact[i] = grazing | from_inside ? 1 : 0;
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      if (inexact[i] == 0) continue;
       const unsigned geometry = hit.geomID[i];
-      if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
-      if (kinds_[geometry].curved) {
-        const Triangles& surface = surfaces_[geometry];
-        const Solid& solid = surface.solids[surface.solid_by_triangle[hit.primID[i]]];
-        packet.ray.tfar[i] = curvedDistance(packet, i, solid);
-      } else if (inexact[i] != 0) {
-        packet.ray.tfar[i] = planeDistance(packet, i, surfaces_[geometry]);
+      if (RayScene::isBox(geometry)) {
+        refineBox(packet, i);
+      } else if (RayScene::isMesh(geometry)) {
+        packet.ray.tfar[i] = planeDistance(packet, i, scene_.solidOf(geometry, hit.primID[i]));
       }
     }
   }
 
-  /// To the true shape; to the polygon if that is missed.
-  static float curvedDistance(const RTCRayHit16& packet, std::size_t i, const Solid& solid) {
-    const RTCRay16& ray = packet.ray;
-    const std::optional<Hit> hit = intersect(
-        Ray{{ray.org_x[i], ray.org_y[i], ray.org_z[i]}, {ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]}},
-        solid);
-    return hit ? hit->distance_m : ray.tfar[i];
+  template <typename Packet>
+  void refineBox(Packet& packet, std::size_t i) const {
+    auto& [ray, hit] = packet;
+    const std::optional<Hit> exact =
+        intersect(rayIn(ray, i), scene_.solidOf(hit.geomID[i], hit.primID[i]));
+    if (!exact) return;  // along an edge
+    ray.tfar[i] = exact->distance_m;
+    hit.Ng_x[i] = exact->normal.x();
+    hit.Ng_y[i] = exact->normal.y();
+    hit.Ng_z[i] = exact->normal.z();
   }
 
   /// To the plane of the triangle that was hit.
-  static float planeDistance(const RTCRayHit16& packet, std::size_t i, const Triangles& surface) {
-    const auto& [ray, hit] = packet;
-    const auto& [a, b, c] = surface.triangles[hit.primID[i]];
-    const Eigen::Vector3d& corner = surface.vertices[a];
-    const Eigen::Vector3d normal =
-        (surface.vertices[b] - corner).cross(surface.vertices[c] - corner);
-    const Eigen::Vector3d origin(ray.org_x[i], ray.org_y[i], ray.org_z[i]);
-    const Eigen::Vector3d direction(ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]);
-    const double distance_m = normal.dot(corner - origin) / normal.dot(direction);
+  template <typename Packet>
+  static float planeDistance(const Packet& packet, std::size_t i, const Solid& solid) {
+    const auto& [a, b, c] = solid.mesh->triangles[packet.hit.primID[i]];
+    const auto vertex = [&solid](unsigned index) -> Eigen::Vector3d {
+      return solid.world_from_solid * solid.mesh->vertices_m[index].cast<double>();
+    };
+    const Eigen::Vector3d corner = vertex(a);
+    const Eigen::Vector3d normal = (vertex(b) - corner).cross(vertex(c) - corner);
+    const Ray ray = rayIn(packet.ray, i);
+    const double distance_m =
+        normal.dot(corner - ray.origin_m.cast<double>()) / normal.dot(ray.direction.cast<double>());
     constexpr double kBelievable_m = 0.1;  // or the ray lies in the plane
-    return std::abs(distance_m - ray.tfar[i]) < kBelievable_m ? static_cast<float>(distance_m)
-                                                              : ray.tfar[i];
+    const float found_m = packet.ray.tfar[i];
+    return std::abs(distance_m - found_m) < kBelievable_m ? static_cast<float>(distance_m)
+                                                          : found_m;
+  }
+
+  template <typename PacketRay>
+  static Ray rayIn(const PacketRay& ray, std::size_t i) {
+    return {{ray.org_x[i], ray.org_y[i], ray.org_z[i]}, {ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]}};
   }
 
   /// Embree takes components below 1e-18 for positive when it inverts them, but not when it sorts
@@ -166,7 +163,8 @@ private:
                    [](float x) { return std::abs(x) < kSmallest ? kSmallest : x; });
   }
 
-  static void fill(const Rays& rays, Eigen::Index first, int count, RTCRayHit16& packet) {
+  template <int kPacket, typename Packet>
+  static void fill(const Rays& rays, Eigen::Index first, int count, Packet& packet) {
     const auto& [origins_m, directions] = rays;
     std::copy_n(origins_m.col(0).data() + first, count, packet.ray.org_x);
     std::copy_n(origins_m.col(1).data() + first, count, packet.ray.org_y);
@@ -180,29 +178,7 @@ private:
     std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
   }
 
-  void attach(const Triangles& mesh) {
-    const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                3 * sizeof(float), mesh.vertices.size()));
-    auto* indices = static_cast<unsigned*>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                3 * sizeof(unsigned), mesh.triangles.size()));
-    if (!vertices || !indices)
-      throw std::runtime_error("Embree has no memory for the world's triangles");
-    for (const Eigen::Vector3d& vertex : mesh.vertices)
-      vertices = std::copy_n(vertex.cast<float>().eval().data(), 3, vertices);
-    for (const auto& triangle : mesh.triangles) indices = std::copy_n(triangle.data(), 3, indices);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
-  }
-
-  RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
-  // By Embree's geometry number.
-  std::vector<SurfaceKind> kinds_;
-  std::vector<Triangles> surfaces_;
+  RayScene scene_;
 };
 
 Rays::Rays(std::size_t count)
