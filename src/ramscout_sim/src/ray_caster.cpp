@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include "ramscout_sim/moving_solids.hpp"
@@ -38,8 +39,8 @@ public:
 
   std::vector<float> cast(const Rays& rays) const {
     std::vector<float> distances_m(rays.size());
-    eachPacket(rays, [&](Eigen::Index first, int filled, const auto& packet) {
-      std::copy_n(packet.ray.tfar, filled, distances_m.begin() + first);
+    eachPacket(rays, [&](Eigen::Index first, auto filled, const auto& packet) {
+      std::copy_n(packet.ray.tfar, int{filled}, distances_m.begin() + first);
     });
     return distances_m;
   }
@@ -79,18 +80,18 @@ private:
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     typename Width::Packet packet = {};
     std::fill_n(packet.ray.mask, kPacket, ~0U);
-    for (Eigen::Index first = 0; first < count; first += kPacket) {
-      const int filled = static_cast<int>(std::min<Eigen::Index>(kPacket, count - first));
+    const auto castPacket = [&](Eigen::Index first, auto filled) {
       alignas(64) std::array<int, kPacket> valid = {};
-      std::fill_n(valid.begin(), filled, -1);
-      if (filled == kPacket)
-        fill<kPacket>(rays, first, kPacket, packet);  // of a size that the compiler knows
-      else
-        fill<kPacket>(rays, first, filled, packet);
+      std::fill_n(valid.begin(), int{filled}, -1);
+      fill<kPacket>(rays, first, filled, packet);
       Width::kIntersect(valid.data(), scene_.tree(), &context, &packet);
       refine<kPacket>(filled, packet);
       use(first, filled, packet);
-    }
+    };
+    Eigen::Index first = 0;
+    for (; first + kPacket <= count; first += kPacket)
+      castPacket(first, std::integral_constant<int, kPacket>());  // of a size known beforehand
+    if (first < count) castPacket(first, static_cast<int>(count - first));
   }
 
   /// Single precision places a surface to a micrometre, which a grazing ray sees as millimetres:
@@ -157,18 +158,19 @@ private:
 
   /// Embree takes components below 1e-18 for positive when it inverts them, but not when it sorts
   /// rays by sign: a packet with a tiny negative one misses what it should hit.
-  static void copyDirections(const float* from, int count, float* to) {
+  template <typename Count>
+  static void copyDirections(const float* from, Count count, float* to) {
     constexpr float kSmallest = 1e-12F;
-    std::transform(from, from + count, to,
+    std::transform(from, from + int{count}, to,
                    [](float x) { return std::abs(x) < kSmallest ? kSmallest : x; });
   }
 
-  template <int kPacket, typename Packet>
-  static void fill(const Rays& rays, Eigen::Index first, int count, Packet& packet) {
+  template <int kPacket, typename Count, typename Packet>
+  static void fill(const Rays& rays, Eigen::Index first, Count count, Packet& packet) {
     const auto& [origins_m, directions] = rays;
-    std::copy_n(origins_m.col(0).data() + first, count, packet.ray.org_x);
-    std::copy_n(origins_m.col(1).data() + first, count, packet.ray.org_y);
-    std::copy_n(origins_m.col(2).data() + first, count, packet.ray.org_z);
+    std::copy_n(origins_m.col(0).data() + first, int{count}, packet.ray.org_x);
+    std::copy_n(origins_m.col(1).data() + first, int{count}, packet.ray.org_y);
+    std::copy_n(origins_m.col(2).data() + first, int{count}, packet.ray.org_z);
     copyDirections(directions.col(0).data() + first, count, packet.ray.dir_x);
     copyDirections(directions.col(1).data() + first, count, packet.ray.dir_y);
     copyDirections(directions.col(2).data() + first, count, packet.ray.dir_z);
