@@ -19,9 +19,11 @@ namespace {
 using ram_slam::Pose2;
 
 constexpr std::size_t kKeptReadings = 1000;  // of the wheels: some seconds
-// From nearer than this to its last reading the filter is shown no other.
+// From nearer than this to its last reading the filter is shown no other, unless so much later
+// that the kinematics may forget the motion since.
 constexpr double kTeachingDistanceM = 0.03;
 constexpr double kTeachingAngleRad = 0.03;
+constexpr std::int64_t kTeachingPeriodNs = 10'000'000'000;
 constexpr std::size_t kMaxWaitingScans = 100;  // for odometry that may never come
 
 template <typename Read>
@@ -50,7 +52,11 @@ SlamParameters readSlamParameters(const std::string& folder) {
                                          ramscout_feature_detector::readFeatureDetectorParameters);
   parameters.kinematics =
       readFile(folder, "kinematics", ramscout_kinematics::readKinematicsParameters);
-  parameters.fast_slam = readFile(folder, "fast_slam", ram_slam::readFastSlamParameters);
+  readFile(folder, "fast_slam", [&parameters](ram_parameters::ParameterReader& reader) {
+    parameters.fast_slam = ram_slam::readFastSlamParameters(reader);
+    parameters.recovery = ram_slam::readRecoveryParameters(reader);
+    return true;
+  });
   parameters.map_smoother = readFile(folder, "map_smoother", ram_slam::readMapSmootherParameters);
   parameters.occupancy_mapper =
       readFile(folder, "occupancy_mapper", ram_slam::readOccupancyMapperParameters);
@@ -64,6 +70,7 @@ SlamPipeline::SlamPipeline(const SlamParameters& parameters)
       kinematics_(parameters.kinematics),
       motion_(kinematics_),
       fast_slam_(parameters.fast_slam,
+                 parameters.recovery,
                  {{ramscout_feature_detector::kCornerType,
                    std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}),
       map_smoother_(parameters.map_smoother) {}
@@ -112,7 +119,7 @@ void SlamPipeline::process(const ScanReading& reading) {
 }
 
 bool SlamPipeline::teachesFilter(std::int64_t stamp_ns) const {
-  if (!fast_slam_.started()) return true;
+  if (!fast_slam_.started() || stamp_ns - fast_slam_.stamp_ns() >= kTeachingPeriodNs) return true;
   try {
     const Pose2 moved = kinematics_.motion(fast_slam_.stamp_ns(), stamp_ns).pose;
     return moved.translation().norm() >= kTeachingDistanceM ||
@@ -132,9 +139,12 @@ Pose2 SlamPipeline::poseNow(std::int64_t stamp_ns) const {
 void SlamPipeline::updateFilter(const ScanReading& reading) {
   const ram_slam::FeatureList features =
       feature_detector_.detect(reading.scan, reading.base_from_laser);
-  const ram_slam::LaserView view(reading.scan, reading.base_from_laser);
+  const auto view =
+      std::make_shared<const ram_slam::LaserView>(reading.scan, reading.base_from_laser);
+  const bool was_lost = fast_slam_.lost();
   try {
-    fast_slam_.update(features, motion_, &view);
+    fast_slam_.update(features, motion_, view);
+    if (fast_slam_.lost() && !was_lost) ++lost_count_;
   } catch (const std::out_of_range&) {
     // The odometry was interrupted: as in the node the filter goes on from here with a very
     // uncertain pose.
@@ -171,7 +181,7 @@ std::optional<Pose2> SlamPipeline::wheelsAt(std::int64_t stamp_ns) const {
 }
 
 void SlamPipeline::followSmoother() {
-  if (!map_smoother_.hasMovedSince(followed_map_from_odom_)) return;
+  if (fast_slam_.lost() || !map_smoother_.hasMovedSince(followed_map_from_odom_)) return;
   followed_map_from_odom_ = map_smoother_.mapFromOdom();
   fast_slam_.followTrajectory(map_smoother_.trajectory());
 }
@@ -179,10 +189,12 @@ void SlamPipeline::followSmoother() {
 void SlamPipeline::smooth(Results& results) {
   map_smoother_.optimize();
   results.trajectory = map_smoother_.trajectory();
-  const Pose2 map_from_smoothed = fast_slam_.followTrajectory(results.trajectory);
-  for (ram_slam::StampedPose2& stamped : results.trajectory)
-    stamped.pose = map_from_smoothed * stamped.pose;
-  results.landmarks = toMapLandmarks(fast_slam_.landmarks());
+  if (!fast_slam_.lost()) {
+    const Pose2 map_from_smoothed = fast_slam_.followTrajectory(results.trajectory);
+    for (ram_slam::StampedPose2& stamped : results.trajectory)
+      stamped.pose = map_from_smoothed * stamped.pose;
+  }
+  results.landmarks = toMapLandmarks(fast_slam_.filter().landmarks());
   std::ostringstream graph;
   ram_slam::writeG2o(map_smoother_.graph(), graph);
   results.pose_graph_g2o = graph.str();
@@ -213,8 +225,8 @@ Results SlamPipeline::finish() {
   }
   Results results;
   results.trajectory_online = online_;
-  results.trajectory_filter = results.trajectory = fast_slam_.trajectory();
-  results.landmarks = toMapLandmarks(fast_slam_.landmarks());
+  results.trajectory_filter = results.trajectory = fast_slam_.filter().trajectory();
+  results.landmarks = toMapLandmarks(fast_slam_.filter().landmarks());
   if (smooths()) smooth(results);
   results.map = renderMap(results.trajectory);
   nlohmann::ordered_json left_out = nlohmann::ordered_json::object();
@@ -229,6 +241,7 @@ Results SlamPipeline::finish() {
       {"landmarks", results.landmarks.size()},
       {"loop_closures", loop_closures_},
       {"scans_with_wheel_slip", slip_count_},
+      {"times_lost", lost_count_},
       {"key_scans", key_scans_.size()},
       {"left_out", left_out}};
   return results;

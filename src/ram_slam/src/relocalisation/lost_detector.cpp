@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/relocalisation/lost_detector.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
@@ -12,6 +13,7 @@ namespace {
 constexpr double kCell_m = 0.5;
 constexpr int kSuspiciousEvidence = 2;
 constexpr double kSuspiciousQuality = 0.35;
+constexpr double kEvidencePath_m = 10.0;
 // A pose may be this much off without being wrong: what a view says must hold that far around.
 constexpr double kAround_m = 0.3;
 
@@ -55,7 +57,8 @@ void LostDetector::add(const FeatureList& list,
                        const FieldOfView* view,
                        const Particle& particle,
                        const LandmarkRegistry& registry,
-                       double confirm_log_odds) {
+                       double confirm_log_odds,
+                       double path_m) {
   const Pose2& map_from_base = particle.proposal.pose;
   const Pose2 base_from_map = map_from_base.inverse();
   std::vector<bool> explained(list.features.size(), false);
@@ -71,13 +74,14 @@ void LostDetector::add(const FeatureList& list,
         continue;
       }
       found = explained[i] = true;
+      seen_at_m_[id] = path_m;
     }
     if (record->existence_log_odds < confirm_log_odds) return;
     if (found) {
       looks_[id].found_ns = list.stamp_ns;
       return;
     }
-    if (view == nullptr || expected_m.norm() > view->range_m()) return;
+    if (view == nullptr || expected_m.norm() > view->range_m() || !isEvidence(id, path_m)) return;
     const Sight sight = lookAround(*view, expected_m);
     if (sight == Sight::kEmpty) looks_[id].looked_through_ns = list.stamp_ns;
     if (sight == Sight::kVisible &&
@@ -92,6 +96,13 @@ void LostDetector::add(const FeatureList& list,
                      static_cast<int>(std::floor(cell.y()))}] = list.stamp_ns;
   }
   forget(list.stamp_ns);
+}
+
+bool LostDetector::isEvidence(LandmarkId id, double path_m) const {
+  const auto seen = seen_at_m_.find(id);
+  const double known_at_m =
+      seen == seen_at_m_.end() ? map_trusted_at_m_ : std::max(seen->second, map_trusted_at_m_);
+  return path_m - known_at_m < kEvidencePath_m;
 }
 
 void LostDetector::forget(std::int64_t now_ns) {

@@ -17,7 +17,7 @@ constexpr std::int64_t kOldestReferenceNs = 1'000'000'000;
 constexpr std::int64_t kNewestReferenceNs = 450'000'000;
 constexpr std::int64_t kContradictingForNs = 200'000'000;
 // A smaller contradiction makes suspicious: then less evidence from the map is needed for a while.
-constexpr double kSuspicious = 0.6;
+constexpr double kSuspicious = 0.25;
 constexpr std::int64_t kSuspiciousForNs = 2'000'000'000;
 // A disturbance, not a kidnapping: soon after, without having moved on, everything looks as before.
 constexpr double kAgreeingShare = 0.03;
@@ -111,12 +111,13 @@ void RecoveringSlam::update(const FeatureList& list,
   // From here on nothing fails.
   stamp_ns_ = list.stamp_ns;
   local_from_base_ = local_from_base_ * moved.pose;
+  path_m_ += moved.pose.translation().norm();
   if (on_probation_) probation_left_m_ -= moved.pose.translation().norm();
   const View now{stamp_ns_, local_from_base_, std::move(view)};
   // What was learned since the last certain moment proves nothing: a wrong pose agrees with itself.
   const FastSlam& known = memories_.empty() ? filter_ : memories_.front().filter;
   detector_.add(list, now.view.get(), filter_.best(), known.registry(),
-                filter_parameters_.confirm_log_odds);
+                filter_parameters_.confirm_log_odds, path_m_);
   agreement_ = detector_.agreement();
   if (isDiscontinuous(now)) {
     loseTrack(LostReason::kDiscontinuity);
@@ -133,7 +134,10 @@ bool RecoveringSlam::isDiscontinuous(const View& now) {
   const auto reference = std::find_if(views_.rbegin(), views_.rend(), [&now](const View& other) {
     return other.stamp_ns <= now.stamp_ns - kNewestReferenceNs;
   });
-  if (reference == views_.rend()) return false;
+  if (reference == views_.rend() || reference->stamp_ns < now.stamp_ns - kOldestReferenceNs) {
+    contradicting_since_ns_ = 0;
+    return false;
+  }
   const auto share = discontinuity(*reference->view, *now.view,
                                    reference->local_from_base.inverse() * now.local_from_base);
   if (!share) return false;
@@ -291,6 +295,7 @@ void RecoveringSlam::resume(const PoseWithCovariance2& map_from_base) {
   last_good_view_.reset();
   local_.clear();
   detector_.clear();
+  detector_.trustMap(path_m_);
   views_.clear();
   contradicting_since_ns_ = 0;
   found_.reset();

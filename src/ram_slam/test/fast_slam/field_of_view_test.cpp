@@ -98,6 +98,7 @@ protected:
       record.seen_within_m = 20.0;
       particle_.landmarks.set(record.id, {place_m, Eigen::Matrix2d::Identity() * 1e-4});
     }
+    detector_.trustMap(0.0);
   }
 
   FeatureList seeing(const std::vector<Eigen::Vector2d>& places_m) {
@@ -112,9 +113,9 @@ protected:
     return list;
   }
 
-  void look(const FeatureList& list) {
+  void look(const FeatureList& list, double path_m = 0.0) {
     const LaserView view(roomScan(5.0, 3.0, {}), {});
-    detector_.add(list, &view, particle_, registry_, 2.0);
+    detector_.add(list, &view, particle_, registry_, 2.0, path_m);
   }
 
   const std::vector<Eigen::Vector2d> kCorners{{4.8, 2.8}, {4.8, -2.8}, {-4.8, 2.8}, {-4.8, -2.8}};
@@ -159,11 +160,20 @@ TEST_F(LostDetection, SaysLostWhenNothingIsWhereItShouldBe) {
   EXPECT_TRUE(detector_.lost());
 }
 
+TEST_F(LostDetection, ExpectsNothingOfLandmarksNotSeenForALongWay) {
+  particle_.landmarks = {};
+  for (LandmarkId id = 0; id < 4; ++id)
+    particle_.landmarks.set(id, {0.6 * kCorners[id], Eigen::Matrix2d::Identity() * 1e-4});
+  look(seeing(kCorners), 100.0);
+  EXPECT_EQ(detector_.agreement().expected_count, 0);
+  EXPECT_FALSE(detector_.lost());
+}
+
 TEST_F(LostDetection, ForgetsAfterItsWindow) {
   look(seeing(kCorners));
   FeatureList later = seeing({});
   later.stamp_ns += 3'000'000'000;
-  detector_.add(later, nullptr, particle_, registry_, 2.0);
+  detector_.add(later, nullptr, particle_, registry_, 2.0, 0.0);
   EXPECT_EQ(detector_.agreement().expected_count, 0);
 }
 

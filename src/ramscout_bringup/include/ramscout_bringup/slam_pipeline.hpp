@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "ram_slam/fast_slam/fast_slam.hpp"
 #include "ram_slam/fast_slam/gap_bridge.hpp"
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
+#include "ram_slam/relocalisation/recovering_slam.hpp"
 #include "ram_slam/scan_matching/laser_odometry.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
 #include "ramscout_bringup/recording.hpp"
@@ -26,6 +26,7 @@ struct SlamParameters {
   ramscout_feature_detector::FeatureDetectorParameters feature_detector;
   ramscout_kinematics::KinematicsParameters kinematics;
   ram_slam::FastSlamParameters fast_slam;
+  ram_slam::RecoveryParameters recovery;
   ram_slam::MapSmootherParameters map_smoother;
   ram_slam::OccupancyMapperParameters occupancy_mapper;
   bool use_laser_odometry = true;  ///< off: the kinematic model is fed by the wheels as they are
@@ -80,7 +81,7 @@ private:
   ramscout_feature_detector::FeatureDetector feature_detector_;
   ramscout_kinematics::Kinematics kinematics_;
   ram_slam::GapBridge motion_;
-  ram_slam::FastSlam fast_slam_;
+  ram_slam::RecoveringSlam fast_slam_;
   ram_slam::MapSmoother map_smoother_;
   std::deque<ScanReading> waiting_;
   std::deque<OdometryReading> wheels_;       ///< the newest readings
@@ -91,6 +92,7 @@ private:
   std::size_t list_count_ = 0;  ///< of features: readings that the filter was shown
   std::size_t slip_count_ = 0;
   int loop_closures_ = 0;
+  int lost_count_ = 0;                      ///< how often the estimator lost its place
   ram_slam::Pose2 followed_map_from_odom_;  ///< of the smoother, when the filter followed it last
   std::map<std::string, int> left_out_;
 };

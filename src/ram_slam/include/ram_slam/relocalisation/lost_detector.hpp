@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 
 #include "ram_slam/fast_slam/field_of_view.hpp"
@@ -23,7 +24,7 @@ struct LostDetectorParameters {
   double lost_below = 0.15;
   /// Two readings contradict each other in more than this share of what both know about: the robot
   /// was carried away.
-  double discontinuity = 0.075;
+  double discontinuity = 0.4;
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
@@ -44,20 +45,25 @@ struct MapAgreement {
 /// Whether what the sensor shows is what the map holds around the pose. Each landmark counts once
 /// per window, however often it is looked at, since readings of one place are not independent. New
 /// features alone are no contradiction (unknown ground), nor are landmarks overlooked (corners are
-/// found every other time): the robot is lost when both come together.
+/// found every other time): the robot is lost when both come together. Landmarks that were not seen
+/// for a long way are no evidence: where a loop closes, drift alone moves them.
 class LostDetector {
 public:
   /// \throws std::invalid_argument as LostDetectorParameters::validate()
   explicit LostDetector(const LostDetectorParameters& parameters);
 
-  /// Takes in one reading at the pose that the particle proposes. \param view  null: landmarks
-  /// cannot be missed
+  /// Takes in one reading at the pose that the particle proposes.
+  /// \param path_m  the way driven so far, by odometry
+  /// \param view  null: landmarks cannot be missed
   void add(const FeatureList& list,
            const FieldOfView* view,
            const Particle& particle,
            const LandmarkRegistry& registry,
-           double confirm_log_odds);
+           double confirm_log_odds,
+           double path_m);
   void clear();
+  /// The pose was found in the map just now: for a while all its landmarks are evidence.
+  void trustMap(double path_m) { map_trusted_at_m_ = path_m; }
 
   MapAgreement agreement() const;
   /// \param suspicious  something else speaks for it, too: less evidence will do
@@ -71,9 +77,13 @@ private:
   };
 
   void forget(std::int64_t now_ns);
+  /// Whether the pose relative to a landmark cannot have drifted far.
+  bool isEvidence(LandmarkId id, double path_m) const;
 
   LostDetectorParameters parameters_;
   std::map<LandmarkId, Looks> looks_;
+  std::map<LandmarkId, double> seen_at_m_;  ///< of the way, when a landmark was found last
+  double map_trusted_at_m_ = -std::numeric_limits<double>::infinity();
   std::map<std::pair<int, int>, std::int64_t> unexplained_ns_;  ///< by cell of the map
 };
 

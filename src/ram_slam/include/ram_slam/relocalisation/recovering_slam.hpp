@@ -123,6 +123,7 @@ private:
   LostDetector detector_;
   LocalConstellation local_;
   Pose2 local_from_base_;  ///< by odometry, since the start
+  double path_m_ = 0.0;    ///< driven, while not lost
 
   std::deque<Memory> memories_;  ///< oldest first
   bool on_probation_ = false;    ///< the place is newly found: memories_ is from before

@@ -19,7 +19,7 @@ struct LoopSearchParameters {
       3.0;                      ///< between what two scans look at, before drift is allowed for
   double drift_m_per_m = 0.03;  ///< expected of the poses along the path
   double drift_rad_per_m = 0.01;
-  double max_distance_m = 5.0;  ///< greatest shift that is searched, to each side
+  double max_distance_m = 15.0;  ///< greatest shift that is searched, to each side
   double max_angle_rad = 0.6;
   int neighbour_count = 4;  ///< key scans on each side that help to recognise a place
   double min_score = 0.45;  ///< mean likelihood of the best pose in the dense search, 0 .. 1
