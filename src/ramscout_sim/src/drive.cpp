@@ -9,16 +9,15 @@
 
 #include <Eigen/QR>
 
+#include "ram_parameters/require.hpp"
+
 namespace ramscout_sim {
 namespace {
 
 constexpr double kStands_mps = 1e-3;
 
 void require(bool condition, const char* parameter, double value) {
-  if (!condition) {
-    throw std::invalid_argument(std::string("drive.") + parameter + " must be > 0, got " +
-                                std::to_string(value));
-  }
+  ram_parameters::require(condition, std::string("drive.") + parameter, value, "> 0");
 }
 
 double approach(double value, double target, double largest_change) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "ram_parameters/require.hpp"
 #include "ramscout_sim/random.hpp"
 
 namespace ramscout_sim {
@@ -16,12 +17,7 @@ constexpr double kWallHeight_m = 2.5;
 constexpr double kPane_m = 0.02;
 constexpr double kShortestRoom_m = 3.0;
 
-void require(bool condition, const char* parameter, double value, const char* bound) {
-  if (!condition) {
-    throw std::invalid_argument(std::string(parameter) + " must be " + bound + ", got " +
-                                std::to_string(value));
-  }
-}
+using ram_parameters::require;
 
 /// A row of rooms along x: where it is, and on which side its doors are.
 struct RoomRow {

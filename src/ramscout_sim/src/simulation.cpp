@@ -6,16 +6,13 @@
 #include <limits>
 #include <stdexcept>
 
+#include "ram_parameters/require.hpp"
 #include "ramscout_sim/start_pose.hpp"
 
 namespace ramscout_sim {
 namespace {
 
-void require(bool condition, const std::string& parameter, double value, const char* bound) {
-  if (!condition) {
-    throw std::invalid_argument(parameter + " must be " + bound + ", got " + std::to_string(value));
-  }
-}
+using ram_parameters::require;
 
 /// How often the driver of a tour looks where the robot is.
 constexpr std::int64_t kDrivePeriod_ns = 10'000'000;

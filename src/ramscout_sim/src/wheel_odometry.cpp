@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "ram_parameters/require.hpp"
 #include "ramscout_sim/drive.hpp"
 #include "ramscout_sim/random.hpp"
 
@@ -12,10 +13,7 @@ namespace ramscout_sim {
 namespace {
 
 void require(bool condition, const char* parameter, double value, const char* bound) {
-  if (!condition) {
-    throw std::invalid_argument(std::string("odometry.") + parameter + " must be " + bound +
-                                ", got " + std::to_string(value));
-  }
+  ram_parameters::require(condition, std::string("odometry.") + parameter, value, bound);
 }
 
 double square(double x) {
