@@ -4,21 +4,25 @@
 #include <iostream>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
 #include "ramscout_sim/world_corners.hpp"
 
 int main(int argc, char** argv) {
-  if (argc < 3 || argc > 4) {
-    std::cerr
-        << "usage: export_world_corners WORLD OUTPUT.yaml [HEIGHT_M]\n"
-           "Writes the corners that a perfect lidar at that height (0.37 m) could see: place, "
-           "orientation,\nopening angle, lengths of both walls.\n";
-    return EXIT_FAILURE;
-  }
+  CLI::App app(
+      "Writes the corners that a perfect lidar at that height could see: place, orientation, "
+      "opening angle, lengths of both walls.");
+  std::string world;
+  std::string output;
+  ramscout_sim::CornerParameters parameters;
+  app.add_option("WORLD", world, "any file that the simulator takes")->required();
+  app.add_option("OUTPUT", output, "a YAML file")->required();
+  app.add_option("HEIGHT_M", parameters.height_m, "of the lidar above the floor")
+      ->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
   try {
-    ramscout_sim::CornerParameters parameters;
-    if (argc > 3) parameters.height_m = std::stod(argv[3]);
-    ramscout_sim::writeCorners(
-        ramscout_sim::cornersOf(ramscout_sim::readWorld(argv[1]), parameters), argv[2]);
+    ramscout_sim::writeCorners(ramscout_sim::cornersOf(ramscout_sim::readWorld(world), parameters),
+                               output);
   } catch (const std::exception& error) {
     std::cerr << "export_world_corners: " << error.what() << '\n';
     return EXIT_FAILURE;
