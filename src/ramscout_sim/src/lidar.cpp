@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "ram_parameters/require.hpp"
 #include "ramscout_sim/lidar_effects.hpp"
 #include "ramscout_sim/random.hpp"
 
@@ -15,10 +16,7 @@ namespace {
 constexpr int kMaxBeams = 20000;
 
 void require(bool condition, const char* parameter, double value, const char* bound) {
-  if (!condition) {
-    throw std::invalid_argument(std::string("lidar.") + parameter + " must be " + bound + ", got " +
-                                std::to_string(value));
-  }
+  ram_parameters::require(condition, std::string("lidar.") + parameter, value, bound);
 }
 
 /// Data sheets' values where they state any; the noise is a Gaussian within the stated accuracy.
@@ -87,10 +85,16 @@ void LidarParameters::validate() const {
   require(far_range_sigma_m >= 0.0, "far_range_sigma_m", far_range_sigma_m, ">= 0");
   require(far_range_m >= 0.0, "far_range_m", far_range_m, ">= 0");
   require(range_bias_sigma_m >= 0.0, "range_bias_sigma_m", range_bias_sigma_m, ">= 0");
+  require(std::abs(warm_up_drift_m) < 1.0, "warm_up_drift_m", warm_up_drift_m, "in (-1, 1)");
+  require(warm_up_time_s > 0.0, "warm_up_time_s", warm_up_time_s, "> 0");
   require(range_resolution_m >= 0.0 && range_resolution_m < 1.0, "range_resolution_m",
           range_resolution_m, "in [0, 1)");
   require(outlier_probability >= 0.0 && outlier_probability <= 1.0, "outlier_probability",
           outlier_probability, "in [0, 1]");
+  require(half_detection_range_m >= 0.0, "half_detection_range_m", half_detection_range_m, ">= 0");
+  require(beam_divergence_rad >= 0.0 && beam_divergence_rad <= 0.1, "beam_divergence_rad",
+          beam_divergence_rad, "in [0, 0.1]");
+  require(pulse_length_m >= 0.0, "pulse_length_m", pulse_length_m, ">= 0");
 }
 
 LidarParameters readLidarParameters(ram_parameters::ParameterReader& reader) {
@@ -109,6 +113,8 @@ LidarParameters readLidarParameters(ram_parameters::ParameterReader& reader) {
   reader.read("far_range_sigma_m", p.far_range_sigma_m);
   reader.read("far_range_m", p.far_range_m);
   reader.read("range_bias_sigma_m", p.range_bias_sigma_m);
+  reader.read("warm_up_drift_m", p.warm_up_drift_m);
+  reader.read("warm_up_time_s", p.warm_up_time_s);
   reader.read("range_resolution_m", p.range_resolution_m);
   reader.read("outlier_probability", p.outlier_probability);
   reader.read("half_detection_range_m", p.half_detection_range_m);
@@ -218,13 +224,20 @@ void Lidar::addOutliers(std::vector<float>& ranges_m, std::uint64_t scan_index) 
   }
 }
 
+/// Of all beams of a scan.
+double Lidar::bias_m(std::uint64_t scan_index) const {
+  const double running_s = static_cast<double>(scan_index) / parameters_.scan_rate_hz;
+  return range_bias_m_ +
+         parameters_.warm_up_drift_m * std::exp(-running_s / parameters_.warm_up_time_s);
+}
+
 /// Adds noise and bias, rounds, and says with infinity what is out of range.
 void Lidar::toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   // Adding it leaves no bit for fractions: what comes out is rounded to a whole number.
   constexpr double kRounder = 0x1.8p52;
   const LidarParameters p = parameters_;  // a copy: the compiler then makes vector code
-  const double bias_m = range_bias_m_;
+  const double bias_m = this->bias_m(scan_index);
   float* const ranges = ranges_m.data();
   const std::vector<float> noise =
       gaussians(Random(seed_, Stream::kRange, scan_index), ranges_m.size());

@@ -396,6 +396,26 @@ TEST(Lidar, NoiseDependsOnSeedAndScanOnly) {
   EXPECT_NE(Lidar({}, 2).measure(0, 7, path, room).ranges_m, seventh.ranges_m);
 }
 
+TEST(Lidar, TheWarmUpDriftDiesAwayWithItsTimeConstant) {
+  LidarParameters p = perfect();
+  p.warm_up_drift_m = 0.02;
+  p.warm_up_time_s = 100.0;
+  const RayCaster world(wallAt(5.0));
+  const SensorPath path = standing(laserAt(0, 0, 0));
+  p.beams = 2;
+  p.angle_min_rad = 0.0;
+  p.angle_max_rad = 0.1;
+  const Lidar lidar(p, 1);
+  for (const double running_s : {0.0, 100.0, 1000.0}) {
+    const auto scan_index = static_cast<std::uint64_t>(running_s * p.scan_rate_hz);
+    EXPECT_NEAR(lidar.measure(0, scan_index, path, world).ranges_m[0],
+                5.0 + 0.02 * std::exp(-running_s / 100.0), 1e-5)
+        << running_s;
+  }
+  p.warm_up_time_s = 0.0;
+  EXPECT_THROW(p.validate(), std::invalid_argument);
+}
+
 TEST(Lidar, TheBiasIsTheSameForAllBeamsOfARunAndHasTheStatedDeviation) {
   LidarParameters p = perfect();
   p.range_bias_sigma_m = 0.005;

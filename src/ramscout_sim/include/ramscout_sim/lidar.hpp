@@ -30,6 +30,10 @@ struct LidarParameters {
   double far_range_m = 10.0;
   /// Standard deviation of an error that all beams share and that stays for a run.
   double range_bias_sigma_m = 0.0;
+  /// Of a lidar that was switched on when the simulation began: all ranges are this much too long,
+  /// and the error dies away with the time constant.
+  double warm_up_drift_m = 0.0;
+  double warm_up_time_s = 600.0;
   /// Ranges are multiples of it; 0: not rounded.
   double range_resolution_m = 0.001;
   /// Chance of a reading anywhere before the surface.
@@ -96,6 +100,7 @@ private:
                    Eigen::Index last,
                    Rays& rays) const;
   void addOutliers(std::vector<float>& ranges_m, std::uint64_t scan_index) const;
+  double bias_m(std::uint64_t scan_index) const;
   void toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) const;
   std::vector<BeamWindow> windowsOf(const std::vector<Solid>& moving, const SensorPath& path) const;
 
