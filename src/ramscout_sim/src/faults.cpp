@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_parameters/require.hpp"
 
 namespace ramscout_sim {
 namespace {
@@ -23,7 +24,7 @@ struct Rule {
 
 constexpr double kAnyForce_n = 1e300;
 
-const std::array<Rule, 20> kRules = {{
+const std::array<Rule, 21> kRules = {{
     {FaultKind::kScanDropout, "scan_dropout", false, -10.0, 10.0, "in [-10, 10]"},
     {FaultKind::kScanSector, "scan_sector", false, -10.0, 10.0, "in [-10, 10]"},
     {FaultKind::kClockOffset, "clock_offset", false, -10.0, 10.0, "in [-10, 10] s"},
@@ -39,6 +40,7 @@ const std::array<Rule, 20> kRules = {{
     {FaultKind::kMotorsDead, "motors_dead", false, -10.0, 10.0, "in [-10, 10]"},
     {FaultKind::kPush, "push", true, -10.0, 10.0, "in [-10, 10] m"},
     {FaultKind::kShove, "shove", false, -kAnyForce_n, kAnyForce_n, "finite"},
+    {FaultKind::kPayload, "payload", false, 0.0, 1000.0, "in [0, 1000] kg"},
     {FaultKind::kKidnap, "kidnap", true, -10.0, 10.0, "in [-10, 10]"},
     {FaultKind::kLift, "lift", false, 0.0, 3.0, "in [0, 3] m"},
     {FaultKind::kOdometryReset, "odometry_reset", true, -10.0, 10.0, "in [-10, 10]"},
@@ -53,12 +55,7 @@ const Rule& ruleOf(FaultKind kind) {
   throw std::logic_error("unknown kind of fault");
 }
 
-void require(bool condition, const char* field, double value, const std::string& bound) {
-  if (!condition) {
-    throw std::invalid_argument(std::string(field) + " must be " + bound + ", got " +
-                                std::to_string(value));
-  }
-}
+using ram_parameters::require;
 
 Fault readFault(ram_parameters::ParameterReader& reader, const std::string& name) {
   std::string kind;
@@ -95,6 +92,9 @@ void Fault::validate() const {
           rule.amount_bound);
   for (const double coordinate : {pose.x_m, pose.y_m, pose.yaw_rad})
     require(std::abs(coordinate) <= 1e5, "pose", coordinate, "finite and within 100 km");
+  constexpr double kLargestRobot_m = 5.0;
+  require(kind != FaultKind::kPayload || std::hypot(pose.x_m, pose.y_m) <= kLargestRobot_m, "pose",
+          std::hypot(pose.x_m, pose.y_m), "on the robot, within 5 m of its base frame");
   if (kind == FaultKind::kDoor && target.empty())
     throw std::invalid_argument("target must name a door");
   if (kind != FaultKind::kScanSector) return;

@@ -91,13 +91,17 @@ dSpaceID createStaticSpace(const World& world) {
   return dQuadTreeSpaceCreate(nullptr, ode_center, ode_extents, kDepth);
 }
 
-dBodyID createBody(dWorldID world, const MassProperties& properties) {
+void setMass(dBodyID body, const MassProperties& properties) {
   const Eigen::Matrix3d& i = properties.inertia_kgm2;
   dMass mass;
   dMassSetParameters(&mass, properties.mass_kg, 0, 0, 0, i(0, 0), i(1, 1), i(2, 2), i(0, 1),
                      i(0, 2), i(1, 2));
-  const dBodyID body = dBodyCreate(world);
   dBodySetMass(body, &mass);
+}
+
+dBodyID createBody(dWorldID world, const MassProperties& properties) {
+  const dBodyID body = dBodyCreate(world);
+  setMass(body, properties);
   return body;
 }
 

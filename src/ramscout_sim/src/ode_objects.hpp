@@ -67,5 +67,6 @@ dSpaceID createStaticSpace(const World& world);
 
 /// Body with the given mass; its ODE frame is at the centre of mass, parallel to the base frame.
 dBodyID createBody(dWorldID world, const MassProperties& properties);
+void setMass(dBodyID body, const MassProperties& properties);
 
 }  // namespace ramscout_sim

@@ -108,7 +108,7 @@ private:
           hit.Ng_x[i] * hit.Ng_x[i] + hit.Ng_y[i] * hit.Ng_y[i] + hit.Ng_z[i] * hit.Ng_z[i];
       const bool grazing = across * across < kGrazing * kGrazing * square;
       const bool from_inside = across > 0.0F;
-      inexact[i] = grazing | from_inside ? 1 : 0;
+      inexact[i] = (grazing | from_inside) ? 1 : 0;
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
       if (inexact[i] == 0) continue;
@@ -160,7 +160,7 @@ private:
   /// rays by sign: a packet with a tiny negative one misses what it should hit.
   template <typename Count>
   static void copyDirections(const float* from, Count count, float* to) {
-    constexpr float kSmallest = 1e-12F;
+    static constexpr float kSmallest = 1e-12F;
     std::transform(from, from + int{count}, to,
                    [](float x) { return std::abs(x) < kSmallest ? kSmallest : x; });
   }

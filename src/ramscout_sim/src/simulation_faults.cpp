@@ -119,7 +119,23 @@ void Simulation::addPerson(const Fault& fault) {
   actors_.addPerson(person, now_s() + fault.duration_s);
 }
 
-/// Blocked wheels, a slippery floor, a shove.
+/// What lies on the chassis: a cube as dense as water.
+MassProperties Simulation::payload() const {
+  constexpr double kDensity_kgpm3 = 1000.0;
+  MassProperties cube;
+  const Fault* fault = activeFault(FaultKind::kPayload);
+  if (!fault) return cube;
+  World parts;
+  parts.solids = robot_.chassis_shapes;
+  const double edge_m = std::cbrt(fault->amount / kDensity_kgpm3);
+  cube.mass_kg = fault->amount;
+  cube.center_in_base_m = {fault->pose.x_m, fault->pose.y_m,
+                           boundsOf(parts).max().z() + 0.5 * edge_m};
+  cube.inertia_kgm2 = Eigen::Matrix3d::Identity() * (fault->amount * edge_m * edge_m / 6.0);
+  return cube;
+}
+
+/// Blocked wheels, a slippery floor, a shove, a payload.
 void Simulation::applyForces() {
   if (activeFault(FaultKind::kLeftWheelBlocked)) wheel_motion_.speeds_radps[0] = 0.0;
   if (activeFault(FaultKind::kRightWheelBlocked)) wheel_motion_.speeds_radps[1] = 0.0;
@@ -132,7 +148,13 @@ void Simulation::applyForces() {
     force_n.z() = 0.0;
   }
   physics_.setPush(force_n);
-  forced_ = floor || shove;
+  const MassProperties carried = payload();
+  if (carried.mass_kg != payload_.mass_kg ||
+      carried.center_in_base_m != payload_.center_in_base_m) {
+    physics_.setPayload(carried);
+    payload_ = carried;
+  }
+  forced_ = floor || shove || carried.mass_kg > 0.0;
 }
 
 /// The fault of this kind that holds now and started last; null if there is none.

@@ -96,11 +96,26 @@ Solid readBox(ParameterReader& reader, const std::string& name) {
   reader.read("pitch_rad", pitch_rad);
   for (const double edge : size) requirePositive(name, "size", edge);
   Solid box;
+  reader.read("drivable", box.drivable);
   box.world_from_solid.translate(Eigen::Vector3d(center[0], center[1], center[2]));
   box.world_from_solid.rotate(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
   box.world_from_solid.rotate(Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()));
   box.size_m = {size[0], size[1], size[2]};
   return box;
+}
+
+Solid readRamp(ParameterReader& reader, const std::string& name) {
+  const std::vector<double> begin = readVector(reader, name, "from", 2);
+  const std::vector<double> end = readVector(reader, name, "to", 2);
+  double width_m = 1.0;
+  double height_m = 0.0;
+  reader.read("width_m", width_m);
+  reader.read("height_m", height_m);
+  requirePositive(name, "width_m", width_m);
+  requirePositive(name, "height_m", height_m);
+  const Solid ramp = makeRamp({begin[0], begin[1]}, {end[0], end[1]}, width_m, height_m);
+  requirePositive(name, "from/to: length", std::hypot(begin[0] - end[0], begin[1] - end[1]));
+  return ramp;
 }
 
 Solid readCylinder(ParameterReader& reader, const std::string& name) {
@@ -173,7 +188,7 @@ public:
   World read() {
     ParameterReader top(file_, path_);
     for (const char* list :
-         {"materials", "walls", "boxes", "cylinders", "include", "people", "doors"}) {
+         {"materials", "walls", "boxes", "ramps", "cylinders", "include", "people", "doors"}) {
       top.has(list);
     }
     top.read("floor_friction", world_.floor_friction);
@@ -197,6 +212,7 @@ public:
     top.rejectUnknown();
     readSolids("walls", readWall);
     readSolids("boxes", readBox);
+    readSolids("ramps", readRamp);
     readSolids("cylinders", readCylinder);
     readEach("include", &WorldFile::readInclude);
     readEach("people", &WorldFile::readPerson);

@@ -43,6 +43,7 @@ void writeBox(const Solid& box, const World& world, std::ostream& stream) {
   stream << ", yaw_rad: " << std::atan2(forward.y(), forward.x());
   const double pitch_rad = std::atan2(-forward.z(), forward.head<2>().norm());
   if (std::abs(pitch_rad) > 1e-9) stream << ", pitch_rad: " << pitch_rad;
+  if (box.drivable) stream << ", drivable: true";
   writeMaterialOf(box.material, world, stream);
 }
 

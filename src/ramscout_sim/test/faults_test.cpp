@@ -239,6 +239,28 @@ TEST(Faults, OnIceTheWheelsSpinAndAfterwardsTheyGripAgain) {
   EXPECT_GT(simulation.groundTruth().world_from_base.translation().x(), 0.2);
 }
 
+TEST(Faults, APayloadIsFeltByTheMotorsAndGoesAgain) {
+  Simulation simulation = robotOnFloor();
+  simulation.inject(fault(FaultKind::kPayload, 1.0, 500.0));
+  drive(simulation, 1.0);
+  // Two motors of 5 Nm on wheels of 0.1 m push 522 kg and 1 kg of spinning wheels.
+  const double loaded_m = 0.5 * 100.0 / 523.0;
+  EXPECT_NEAR(simulation.groundTruth().world_from_base.translation().x(), loaded_m,
+              0.05 * loaded_m);
+  drive(simulation, 2.0);
+  EXPECT_NEAR(simulation.groundTruth().linear_velocity_mps.x(), 0.5, 1e-3);
+}
+
+TEST(Faults, APayloadBesideTheRobotOrOfNegativeMassIsRefused) {
+  Fault payload = fault(FaultKind::kPayload, 1.0, 10.0);
+  EXPECT_NO_THROW(payload.validate());
+  payload.pose.x_m = 6.0;
+  EXPECT_THROW(payload.validate(), std::invalid_argument);
+  payload.pose.x_m = 0.0;
+  payload.amount = -1.0;
+  EXPECT_THROW(payload.validate(), std::invalid_argument);
+}
+
 TEST(Faults, AShoveMovesTheRobotSidewaysOnceItBeatsTheFriction) {
   Simulation simulation = robotOnFloor();
   simulation.inject(fault(FaultKind::kShove, 0.5, 50.0));

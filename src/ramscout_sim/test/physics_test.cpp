@@ -148,6 +148,104 @@ TEST(Physics, AnOffCentreWeightLoadsTheWheelsByTheLever) {
               2.0 * kGravity_mps2 * robot.chassis.mass_kg * kOffset_m / kTrack_m, 1e-3);
 }
 
+TEST(Physics, APayloadWeighsWhereItLiesAndComesOffAgain) {
+  const RobotDescription robot = robotWithoutCasters();
+  Physics physics = onOpenFloor(robot);
+  run(physics, 1.0, {});
+  const WheelValues before_n = physics.wheelLoads_n();
+  const Eigen::Isometry3d pose = physics.worldFromBase();
+  MassProperties payload;
+  payload.mass_kg = 4.0;
+  payload.center_in_base_m = {0.0, 0.09, 0.02};  // half way to the left wheel, below the axle
+  payload.inertia_kgm2 = 0.01 * Eigen::Matrix3d::Identity();
+  physics.setPayload(payload);
+  EXPECT_TRUE(physics.worldFromBase().isApprox(pose, 1e-12));
+  run(physics, 1.0, {});
+  const double weight_n = 4.0 * kGravity_mps2;
+  EXPECT_NEAR(physics.wheelLoads_n()[0] - before_n[0], 0.75 * weight_n, 1e-3 * weight_n);
+  EXPECT_NEAR(physics.wheelLoads_n()[1] - before_n[1], 0.25 * weight_n, 1e-3 * weight_n);
+  physics.setPayload({});
+  run(physics, 1.0, {});
+  EXPECT_NEAR(physics.wheelLoads_n()[0], before_n[0], 1e-3 * weight_n);
+  EXPECT_THROW(physics.setPayload({-1.0, {}, {}}), std::invalid_argument);
+}
+
+TEST(Physics, APayloadSlowsWhatTheMotorsTorqueAccelerates) {
+  RobotDescription robot = shippedRobot();
+  for (Wheel& wheel : robot.wheels) wheel.max_torque_nm = 0.5;
+  MassProperties payload;
+  payload.mass_kg = 20.0;
+  payload.center_in_base_m = {0.0, 0.0, 0.05};
+  payload.inertia_kgm2 = 0.1 * Eigen::Matrix3d::Identity();
+  Physics physics = onOpenFloor(robot);
+  physics.setPayload(payload);
+  run(physics, 0.5, {});
+  const double begin_mps = physics.linearVelocity_mps().x();
+  run(physics, 0.5, {100.0, 100.0});
+  const double inertia_kg =
+      2.0 * 0.005 / (kWheelRadius_m * kWheelRadius_m);  // of the spinning wheels, at the rim
+  const double expected_mps2 = 2.0 * 0.5 / kWheelRadius_m / (mass_kg(robot) + 20.0 + inertia_kg);
+  EXPECT_NEAR((physics.linearVelocity_mps().x() - begin_mps) / 0.5, expected_mps2,
+              0.01 * expected_mps2);
+}
+
+/// A ramp that begins at x = 1 m, and a platform behind it.
+World rampWorld(double length_m, double height_m) {
+  World world;
+  world.solids = {makeRamp({1.0, 0.0}, {1.0 + length_m, 0.0}, 2.0, height_m)};
+  Solid platform;
+  platform.drivable = true;
+  platform.size_m = {4.0, 2.0, height_m};
+  platform.world_from_solid.translate(Eigen::Vector3d(1.0 + length_m + 2.0, 0.0, 0.5 * height_m));
+  world.solids.push_back(platform);
+  return world;
+}
+
+/// At the foot the casters, on the floor and on the ramp, lift the wheels: it takes a run-up.
+constexpr double kRunUp_radps = 12.0;
+
+TEST(Physics, ItClimbsARampAndComesDownAgain) {
+  constexpr double kHeight_m = 0.2;
+  constexpr double kLength_m = 2.0;
+  Physics physics(shippedRobot(), rampWorld(kLength_m, kHeight_m), {});
+  const double slope_rad = std::atan2(kHeight_m, kLength_m);
+  double steepest_rad = 0.0;
+  for (int i = 0; i < 10000 && poseOf(physics).x_m < 4.5; ++i) {
+    physics.step(kStep_s, {{kRunUp_radps, kRunUp_radps}, {}});
+    const double x_m = poseOf(physics).x_m;
+    if (x_m < 1.5 || x_m > 2.5) continue;  // with every wheel and caster on the ramp
+    const Eigen::Isometry3d pose = physics.worldFromBase();
+    EXPECT_NEAR(pose.translation().z(), (x_m - 1.0) * std::tan(slope_rad), 2e-3);
+    steepest_rad = std::max(steepest_rad, std::asin(pose.linear()(2, 0)));
+  }
+  EXPECT_NEAR(steepest_rad, slope_rad, 0.01);
+  EXPECT_GT(poseOf(physics).x_m, 4.4);
+  EXPECT_NEAR(physics.worldFromBase().translation().z(), kHeight_m, 1e-3);
+  for (int i = 0; i < 15000 && poseOf(physics).x_m > 0.0; ++i)
+    physics.step(kStep_s, {{-kRunUp_radps, -kRunUp_radps}, {}});
+  run(physics, 0.5, {});
+  EXPECT_LT(poseOf(physics).x_m, 0.1);
+  EXPECT_NEAR(physics.worldFromBase().translation().z(), 0.0, 1e-3);
+}
+
+TEST(Physics, OnARampItHoldsByItsBrakesAndSlidesWhereItIsTooSmooth) {
+  for (const double friction : {0.5, 0.02}) {
+    World world = rampWorld(4.0, 0.4);
+    Physics physics(shippedRobot(), world, {});
+    for (int i = 0; i < 10000 && poseOf(physics).x_m < 3.0; ++i)
+      physics.step(kStep_s, {{kRunUp_radps, kRunUp_radps}, {}});
+    run(physics, 1.0, {});
+    const double stopped_m = poseOf(physics).x_m;
+    ASSERT_GT(stopped_m, 2.5);
+    physics.setFloorFriction(friction);
+    run(physics, 1.0, {});
+    if (friction > 0.1)
+      EXPECT_NEAR(poseOf(physics).x_m, stopped_m, 1e-5);
+    else
+      EXPECT_LT(poseOf(physics).x_m, stopped_m - 0.2);
+  }
+}
+
 TEST(Physics, TheMotorsTorqueLimitsTheAcceleration) {
   RobotDescription robot = shippedRobot();
   robot.wheels[0].max_torque_nm = robot.wheels[1].max_torque_nm = 0.5;

@@ -11,12 +11,14 @@ from geometry_msgs.msg import Pose2D, PoseStamped
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState, LaserScan
+from std_msgs.msg import String
 from std_srvs.srv import Empty, SetBool
 from tf2_msgs.msg import TFMessage
 
 from ramscout_sim.srv import SetPose, SetRate, Step
 
 PATIENCE_S = 15.0
+ROOM_START_X_M = 4.0  # room.yaml
 TOPICS = {"/clock": Clock, "scan": LaserScan, "odom": Odometry, "ground_truth": Odometry,
           "joint_states": JointState, "/tf": TFMessage}
 
@@ -147,6 +149,50 @@ class SimulatorNode(unittest.TestCase):
             runs.append([(scan.header.stamp, scan.ranges) for scan in self.scans[:39]])
         self.assertEqual(runs[0], runs[1])
         self.assertNotEqual(runs[0][0][1], runs[0][1][1])  # each has noise of its own
+
+    def test_resuming_elsewhere_after_a_pause_is_a_kidnapping(self):
+        self.wait_for(lambda: len(self.scan_stamps) > 1, "no scans")
+        faults = []
+        subscriber = rospy.Subscriber("faults", String, lambda message: faults.append(message.data))
+        while subscriber.get_num_connections() == 0:
+            time.sleep(0.02)
+        self.pause()
+        stopped = self.latest["/clock"].clock
+        time.sleep(0.5)  # however long: no simulated time passes
+        self.assertTrue(self.call["set_pose"](Pose2D(2.0, 1.5, 1.0)).success)
+        odometry = self.latest["odom"].pose.pose.position.x
+        self.call["pause"](False)
+        self.wait_for(lambda: faults and self.latest["/clock"].clock > stopped, "no kidnapping reported")
+        subscriber.unregister()
+        self.assertIn("kind: kidnap", faults[0])
+        self.pause()
+        self.assertAlmostEqual(self.latest["ground_truth"].pose.pose.position.x, 2.0, delta=1e-3)
+        self.assertAlmostEqual(self.latest["odom"].pose.pose.position.x, odometry, delta=1e-3)
+
+    def test_resets_amid_other_calls_are_served_one_after_the_other(self):
+        self.pause()
+        failures = []
+
+        def hammer(name, *arguments):
+            try:
+                for _ in range(10):
+                    self.call[name](*arguments)
+            except rospy.ServiceException as error:
+                failures.append(error)
+
+        threads = [threading.Thread(target=hammer, args=call)
+                   for call in (("reset",), ("step", 0.2), ("set_pose", Pose2D(2.0, 1.5, 1.0)), ("set_rate", 0.0))]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(failures, [])
+        self.call["reset"]()
+        response = self.call["step"](0.2)
+        self.assertTrue(response.success, response.message)
+        self.assertAlmostEqual(response.now.to_sec(), 1.2, places=6)
+        self.wait_for(lambda: (response.now - self.latest["ground_truth"].header.stamp).to_sec() < 0.0101, "no truth")
+        self.assertAlmostEqual(self.latest["ground_truth"].pose.pose.position.x, ROOM_START_X_M, delta=1e-3)
 
     def test_without_an_answer_the_clock_waits_even_after_a_reset(self):
         self.wait_for(lambda: self.latest["/clock"].clock.to_sec() > 3.0, "the clock does not run")

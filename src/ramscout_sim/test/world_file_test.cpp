@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -104,6 +106,51 @@ TEST(WorldFile, RefusesBadFilesByElement) {
   EXPECT_THAT(refusal("walls: [{from: [0, 0"), HasSubstr("world.yaml"));
   EXPECT_THAT(refusal("just text"), HasSubstr("world.yaml"));
   EXPECT_THAT(refusalOf(readWorld, folder / "none.yaml"), HasSubstr("none.yaml"));
+}
+
+std::string textOf(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(WorldFile, TheShippedOfficeIsWhatTheGeneratorWritesToday) {
+  const testing::TemporaryFolder folder;
+  const Office office = generateOffice({});
+  writeWorldFile(office.world, folder / "office.yaml");
+  writeTour(office.tour, folder / "office_tour.yaml");
+  for (const char* file : {"office.yaml", "office_tour.yaml"}) {
+    const std::string shipped = textOf(std::string(CONFIG_FOLDER) + "/worlds/" + file);
+    ASSERT_FALSE(shipped.empty());
+    EXPECT_TRUE(textOf(folder / file) == shipped) << file;
+  }
+}
+
+TEST(WorldFile, RampsRiseFromTheFloorAndAreWrittenAgain) {
+  const testing::TemporaryFolder folder;
+  const World world = readWorld(
+      folder.write("ramps.yaml",
+                   "ramps: [{from: [1, 2], to: [1, 4], width_m: 1.5, height_m: 0.3}]\n"
+                   "boxes: [{center: [1, 5, 0.15], size: [2, 2, 0.3], drivable: true}]\n"));
+  ASSERT_EQ(world.solids.size(), 2U);
+  for (const Solid& solid : world.solids) EXPECT_TRUE(solid.drivable);
+  const Solid& ramp =
+      *std::min_element(world.solids.begin(), world.solids.end(),
+                        [](const Solid& a, const Solid& b) { return a.size_m.z() < b.size_m.z(); });
+  const Eigen::Vector3d half = 0.5 * ramp.size_m;
+  EXPECT_TRUE((ramp.world_from_solid * Eigen::Vector3d(-half.x(), 0.0, half.z()))
+                  .isApprox(Eigen::Vector3d(1.0, 2.0, 0.0), 1e-9));
+  EXPECT_TRUE((ramp.world_from_solid * Eigen::Vector3d(half.x(), 0.0, half.z()))
+                  .isApprox(Eigen::Vector3d(1.0, 4.0, 0.3), 1e-9));
+  writeWorldFile(world, folder / "copy.yaml");
+  const World copy = readWorld(folder / "copy.yaml");
+  ASSERT_EQ(copy.solids.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_TRUE(copy.solids[i].drivable);
+    EXPECT_TRUE(copy.solids[i].world_from_solid.isApprox(world.solids[i].world_from_solid, 1e-5));
+  }
+  EXPECT_THROW(
+      readWorld(folder.write("flat.yaml", "ramps: [{from: [1, 2], to: [1, 2], height_m: 1}]\n")),
+      std::invalid_argument);
 }
 
 TEST(WorldFile, ReadsOrRefusesDamagedFilesButNeverFailsOtherwise) {

@@ -25,6 +25,7 @@ enum class FaultKind {
   kMotorsDead,
   kPush,
   kShove,
+  kPayload,
   kKidnap,
   kLift,
   kOdometryReset,
@@ -39,7 +40,9 @@ struct Fault {
   double amount = 0.0;         ///< what it counts depends on the kind
   double angle_min_rad = 0.0;  ///< of a masked sector
   double angle_max_rad = 0.0;
-  Pose2 pose;          ///< in the world: where a robot is put, where a person appears
+  /// In the world: where a robot is put, where a person appears; in the base frame: where a payload
+  /// lies.
+  Pose2 pose;
   std::string target;  ///< the door's name
 
   /// \throws std::invalid_argument naming the field, its value and the bound it breaks

@@ -23,7 +23,8 @@ struct WheelMotion {
 /// Each wheel touches the floor in one point, friction acts along and across its rolling direction
 /// (omni wheels: only along), and its limit follows the load of the step before (ODE by itself
 /// takes the load without friction, so that weight transfer would not reach the traction limit).
-/// Casters do not rub. The chassis collides with the solids. Results depend on the inputs only;
+/// Casters do not rub. The ground is the floor and those solids that can be
+/// driven on. The chassis collides with the solids. Results depend on the inputs only;
 /// there are no random numbers.
 ///
 /// The spin of a wheel is no body of its own. A motor that has torque enough makes the floor's
@@ -63,6 +64,11 @@ public:
 
   /// A force on the chassis, at its centre of mass, in world axes, from now on.
   void setPush(const Eigen::Vector3d& force_n);
+
+  /// Something fixed to the chassis from now on, instead of what was before; mass 0: nothing. Its
+  /// shape neither is seen nor touches anything. \throws std::invalid_argument if its mass is
+  /// negative or not finite
+  void setPayload(const MassProperties& payload);
 
   /// Solids besides the world's that the chassis collides with from now on (boxes, cylinders,
   /// spheres). They stand still as far as a contact is concerned, and do not push.

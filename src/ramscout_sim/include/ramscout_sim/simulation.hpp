@@ -117,6 +117,7 @@ private:
   void applyForces();
   Eigen::Isometry3d worldFromLaser() const;
   void push(double left_m);
+  MassProperties payload() const;
   const Fault* activeFault(FaultKind kind) const;
   WheelValues encoderAngles_rad();
   OdometryReading readOdometry();
@@ -150,6 +151,7 @@ private:
   std::optional<Fault> lift_;
   bool forced_ = false;  // friction or push are not the world's
   double floor_friction_ = 0.0;
+  MassProperties payload_;
   WheelValues true_angles_rad_ = {};
   WheelValues encoder_error_rad_ = {};  // what faults have made the encoders count too much
   SensorPath recent_path_;              // back to the start of the scan that is under way

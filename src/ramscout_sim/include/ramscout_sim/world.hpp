@@ -45,6 +45,8 @@ struct Solid {
   std::size_t material = 0;  ///< index into World::materials
   bool seen = true;          ///< by the lidar
   bool solid = true;         ///< for the robot's chassis
+  /// Its surface carries wheels, as a ramp's does; not for meshes.
+  bool drivable = false;
 };
 
 /// Somebody who walks to and fro along a polyline, on two legs, and stops for robots.
@@ -98,6 +100,13 @@ struct World {
 Solid makeWall(const Eigen::Vector2d& begin_m,
                const Eigen::Vector2d& end_m,
                double thickness_m,
+               double height_m);
+
+/// A plank that can be driven on: its upper face rises from the floor at `begin_m` to `height_m`
+/// at `end_m`.
+Solid makeRamp(const Eigen::Vector2d& begin_m,
+               const Eigen::Vector2d& end_m,
+               double width_m,
                double height_m);
 
 /// Corners of the smallest upright box around a solid, in world axes.
