@@ -4,44 +4,27 @@
 //
 //   evaluate_fast_slam --config DIR [--config DIR ...] BAG TRUTH.tum [BAG TRUTH.tum ...]
 
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <map>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <Eigen/LU>
 
-#include "ramscout_bringup/evaluation.hpp"
 #include "ramscout_bringup/slam_pipeline.hpp"
-#include "ramscout_feature_detector/corner_matcher.hpp"
+#include "ramscout_bringup/trajectory_file.hpp"
 
+#include "../benchmark/filter_score.hpp"
 #include "../ros/bag_recording.hpp"
 
 namespace {
 
 using namespace ramscout_bringup;
-using ram_slam::FastSlam;
-using ram_slam::Pose2;
-
-constexpr double kSamePlace_m = 0.2;  // a match farther from its landmark's place is false
-// 2.5 and 97.5 percentiles of chi2 with 3 degrees of freedom.
-constexpr double kLowestNees = 0.216;
-constexpr double kHighestNees = 9.348;
-
-/// One scan as the filter gets it.
-struct Step {
-  ScanReading reading;
-  ram_slam::FeatureList features;
-  Pose2 odom_from_base;
-};
 
 /// What the detector and laser odometry make of a recording; the same for every setting of the
 /// filter.
-std::vector<Step> prepare(const std::string& bag, const SlamParameters& parameters) {
+std::vector<FilterStep> prepare(const std::string& bag, const SlamParameters& parameters) {
   ramscout_bringup_ros::BagRecording recording(bag, {});
   Trajectory wheels;
   std::vector<ScanReading> scans;
@@ -55,7 +38,7 @@ std::vector<Step> prepare(const std::string& bag, const SlamParameters& paramete
   }
   ram_slam::LaserOdometry odometry(parameters.laser_odometry);
   ramscout_feature_detector::FeatureDetector detector(parameters.feature_detector);
-  std::vector<Step> steps;
+  std::vector<FilterStep> steps;
   for (ScanReading& scan : scans) {
     const auto estimate =
         odometry.update(scan.scan, scan.base_from_laser, ram_slam::poseAt(wheels, scan.stampNs()));
@@ -63,164 +46,6 @@ std::vector<Step> prepare(const std::string& bag, const SlamParameters& paramete
         {scan, detector.detect(scan.scan, scan.base_from_laser), estimate.odom_from_base.pose});
   }
   return steps;
-}
-
-struct Sighting {
-  std::int64_t stamp_ns = 0;
-  Eigen::Vector2d place_m;  ///< in the true frame of the start
-};
-
-struct Score {
-  double ate_m = 0.0;
-  double yaw_rad = 0.0;
-  double online_m = 0.0;  ///< of the estimate as it was known then, in the frame of the start
-  double nees = 0.0;      ///< mean
-  double nees_in_band = 0.0;
-  double nees_above_band = 0.0;
-  double false_matches = 0.0;  ///< part of all matches
-  std::size_t landmarks = 0;
-  std::size_t found_again = 0;  ///< of those that could be: seen in both halves
-  std::size_t due_again = 0;
-  std::size_t in_free_space = 0;
-};
-
-Eigen::Vector2d medianPlace(const std::vector<Sighting>& sightings) {
-  std::vector<double> xs, ys;
-  for (const Sighting& sighting : sightings) {
-    xs.push_back(sighting.place_m.x());
-    ys.push_back(sighting.place_m.y());
-  }
-  std::nth_element(xs.begin(), xs.begin() + xs.size() / 2, xs.end());
-  std::nth_element(ys.begin(), ys.begin() + ys.size() / 2, ys.end());
-  return {xs[xs.size() / 2], ys[ys.size() / 2]};
-}
-
-/// A run of the filter over prepared steps, judged by the truth.
-class Run {
-public:
-  Run(const SlamParameters& parameters, const std::vector<Step>& steps, const Trajectory& truth)
-      : parameters_(parameters),
-        steps_(steps),
-        truth_(truth),
-        kinematics_(parameters.kinematics),
-        filter_(parameters.fast_slam,
-                {{ramscout_feature_detector::kCornerType,
-                  std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}) {}
-
-  Score score() {
-    for (const Step& step : steps_) take(step);
-    Score score;
-    const TruthComparison comparison = compareWithTruth(filter_.trajectory(), truth_);
-    score.ate_m = comparison.position_m.rms;
-    score.yaw_rad = comparison.yaw_rad.rms;
-    const double count = static_cast<double>(nees_.size());
-    for (const double nees : nees_) {
-      score.nees += nees / count;
-      score.nees_in_band += (kLowestNees <= nees && nees <= kHighestNees ? 1.0 : 0.0) / count;
-      score.nees_above_band += (nees > kHighestNees ? 1.0 : 0.0) / count;
-    }
-    score.online_m = std::sqrt(squares_m2_ / count);
-    judgeLandmarks(score);
-    return score;
-  }
-
-private:
-  void take(const Step& step) {
-    const std::int64_t stamp_ns = step.reading.stampNs();
-    kinematics_.add({stamp_ns, step.odom_from_base});
-    const ram_slam::LaserView view(step.reading.scan, step.reading.base_from_laser);
-    filter_.update(step.features, kinematics_, &view);
-    const auto truth = ram_slam::poseAt(truth_, stamp_ns);
-    if (!truth) return;
-    if (!start_) start_ = *truth;
-    const Pose2 wanted = start_->inverse() * *truth;
-    const ram_slam::PoseWithCovariance2& estimate = filter_.estimate();
-    const Eigen::Vector3d error(estimate.pose.x_m - wanted.x_m, estimate.pose.y_m - wanted.y_m,
-                                ram_slam::wrapAngle(estimate.pose.yaw_rad - wanted.yaw_rad));
-    squares_m2_ += error.head<2>().squaredNorm();
-    const Eigen::Matrix3d covariance = estimate.covariance + 1e-10 * Eigen::Matrix3d::Identity();
-    nees_.push_back(error.dot(covariance.inverse() * error));
-    for (std::size_t i = 0; i < step.features.features.size(); ++i) {
-      const ram_slam::Association& association = filter_.associations()[i];
-      if (association.verdict != ram_slam::Verdict::kMatched) continue;
-      sightings_[association.id].push_back(
-          {stamp_ns, wanted * step.features.features[i].position_m});
-    }
-  }
-
-  void judgeLandmarks(Score& score) const {
-    const std::int64_t first_ns = steps_.front().reading.stampNs();
-    const std::int64_t half_ns = first_ns + (steps_.back().reading.stampNs() - first_ns) / 2;
-    std::size_t matches = 0;
-    std::size_t wrong = 0;
-    std::map<ram_slam::LandmarkId, Eigen::Vector2d> places;
-    for (const auto& [id, sightings] : sightings_) {
-      places[id] = medianPlace(sightings);
-      for (const Sighting& sighting : sightings) {
-        ++matches;
-        wrong += (sighting.place_m - places[id]).norm() > kSamePlace_m ? 1 : 0;
-      }
-    }
-    score.false_matches =
-        static_cast<double>(wrong) / static_cast<double>(std::max<std::size_t>(matches, 1));
-    for (const ram_slam::LandmarkEstimate& landmark : filter_.landmarks().landmarks) {
-      if (landmark.existence_log_odds < parameters_.fast_slam.confirm_log_odds) continue;
-      ++score.landmarks;
-      const auto found = places.find(landmark.id);
-      if (found != places.end() && isInFreeSpace(found->second)) ++score.in_free_space;
-    }
-    // Places at which something was found in the second half and, before, in the first.
-    for (const auto& [id, sightings] : sightings_) {
-      if (sightings.front().stamp_ns > half_ns) continue;
-      const Eigen::Vector2d place = places[id];
-      bool seen_later = false;
-      for (const auto& [other, others] : sightings_) {
-        for (const Sighting& sighting : others) {
-          seen_later = seen_later || (sighting.stamp_ns > half_ns &&
-                                      (sighting.place_m - place).norm() < 0.5 * kSamePlace_m);
-        }
-      }
-      if (!seen_later) continue;
-      ++score.due_again;
-      if (sightings.back().stamp_ns > half_ns) ++score.found_again;
-    }
-  }
-
-  /// Whether more looks from true poses go through the place than end there.
-  bool isInFreeSpace(const Eigen::Vector2d& place_m) const {
-    int empty = 0;
-    int visible = 0;
-    for (std::size_t i = 0; i < steps_.size(); i += 20) {
-      const auto truth = ram_slam::poseAt(truth_, steps_[i].reading.stampNs());
-      if (!truth) continue;
-      const ram_slam::LaserView view(steps_[i].reading.scan, steps_[i].reading.base_from_laser);
-      const ram_slam::Sight sight = view.look((start_->inverse() * *truth).inverse() * place_m);
-      empty += sight == ram_slam::Sight::kEmpty ? 1 : 0;
-      visible += sight == ram_slam::Sight::kVisible ? 1 : 0;
-    }
-    return empty > visible;
-  }
-
-  const SlamParameters& parameters_;
-  const std::vector<Step>& steps_;
-  const Trajectory& truth_;
-  ramscout_kinematics::Kinematics kinematics_;
-  FastSlam filter_;
-  std::optional<Pose2> start_;
-  double squares_m2_ = 0.0;
-  std::vector<double> nees_;
-  std::map<ram_slam::LandmarkId, std::vector<Sighting>> sightings_;
-};
-
-void print(const std::string& name, const Score& s) {
-  std::printf(
-      "%-24s ATE %.4f m yaw %.3f deg online %.4f m | NEES mean %.1f in band %.0f %% above %.0f %% "
-      "| "
-      "false %.2f %% | landmarks %zu found again %zu of %zu in free space %zu\n",
-      name.c_str(), s.ate_m, s.yaw_rad * 180.0 / M_PI, s.online_m, s.nees, 100.0 * s.nees_in_band,
-      100.0 * s.nees_above_band, 100.0 * s.false_matches, s.landmarks, s.found_again, s.due_again,
-      s.in_free_space);
-  std::fflush(stdout);
 }
 
 }  // namespace
@@ -239,7 +64,7 @@ int main(int argc, char** argv) {
       const Trajectory truth = readTrajectory(files[i + 1]);
       for (const std::string& config : configs) {
         const SlamParameters parameters = readSlamParameters(config);
-        print(files[i] + " " + config, Run(parameters, steps, truth).score());
+        print(files[i] + " " + config, scoreFilter(parameters, steps, truth));
       }
     }
   } catch (const std::exception& error) {

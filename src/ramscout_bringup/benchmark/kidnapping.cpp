@@ -14,7 +14,6 @@ namespace {
 
 using ram_slam::Pose2;
 
-constexpr double kScanRate_hz = 40.0;
 constexpr double kWrong_m = 0.5;
 constexpr double kWrong_rad = 0.2;
 constexpr double kSide_m = 0.3;
@@ -35,31 +34,6 @@ ram_slam::RecoveringSlam makeSlam(const std::string& config) {
             std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}};
 }
 
-ramscout_sim::SimulationParameters simulationParameters(int seed) {
-  ramscout_sim::SimulationParameters parameters;
-  parameters.seed = seed;
-  parameters.lidar.scan_rate_hz = kScanRate_hz;
-  return parameters;
-}
-
-Pose2 planar(const Eigen::Isometry3d& pose) {
-  return {pose.translation().x(), pose.translation().y(),
-          std::atan2(pose.linear()(1, 0), pose.linear()(0, 0))};
-}
-
-ram_slam::LaserScan toLaserScan(const ramscout_sim::Scan& scan,
-                                const ramscout_sim::LidarParameters& lidar) {
-  ram_slam::LaserScan result;
-  result.stamp_ns = scan.stamp_ns;
-  result.angle_min_rad = lidar.angle_min_rad;
-  result.angle_increment_rad = lidar.angleIncrement_rad();
-  result.time_increment_s = lidar.time_increment_s;
-  result.range_min_m = static_cast<float>(lidar.range_min_m);
-  result.range_max_m = static_cast<float>(lidar.range_max_m);
-  result.ranges_m = scan.ranges_m;
-  return result;
-}
-
 bool isWrong(const Pose2& estimate, const Pose2& truth) {
   const Pose2 error = truth.inverse() * estimate;
   return error.translation().norm() > kWrong_m || std::abs(error.yaw_rad) > kWrong_rad;
@@ -69,10 +43,7 @@ bool isWrong(const Pose2& estimate, const Pose2& truth) {
 
 KidnappedRobot::KidnappedRobot(const std::string& config, int seed)
     : tour_(ramscout_sim::readTour(config + "/worlds/office_tour.yaml")),
-      world_(ramscout_sim::readWorld(config + "/worlds/office.yaml")),
-      simulation_parameters_(simulationParameters(seed)),
-      robot_(ramscout_sim::readRobot(config + "/robots/ramscout.urdf")),
-      simulation_(simulation_parameters_, robot_, world_, std::nullopt),
+      robot_(config, ramscout_sim::readWorld(config + "/worlds/office.yaml"), seed),
       laser_odometry_(readFile(config, "laser_odometry", ram_slam::readLaserOdometryParameters)),
       detector_(readFile(
           config, "feature_detector", ramscout_feature_detector::readFeatureDetectorParameters)),
@@ -80,20 +51,14 @@ KidnappedRobot::KidnappedRobot(const std::string& config, int seed)
       slam_(makeSlam(config)),
       random_(static_cast<std::uint64_t>(seed), 77) {}
 
-Pose2 KidnappedRobot::truth() const {
-  const Pose2 start{world_.start.x_m, world_.start.y_m, world_.start.yaw_rad};
-  return start.inverse() * planar(simulation_.groundTruth().world_from_base);
-}
-
 Pose2 KidnappedRobot::placeInMap() const {
-  const Pose2 now = truth();
   const auto nearest = std::min_element(
-      mapped_.begin(), mapped_.end(), [&now](const MappedPose& a, const MappedPose& b) {
-        return (a.truth.translation() - now.translation()).squaredNorm() <
-               (b.truth.translation() - now.translation()).squaredNorm();
+      mapped_.begin(), mapped_.end(), [this](const MappedPose& a, const MappedPose& b) {
+        return (a.truth.translation() - truth_.translation()).squaredNorm() <
+               (b.truth.translation() - truth_.translation()).squaredNorm();
       });
-  if (nearest == mapped_.end()) return now;
-  return nearest->estimate * (nearest->truth.inverse() * now);
+  if (nearest == mapped_.end()) return truth_;
+  return nearest->estimate * (nearest->truth.inverse() * truth_);
 }
 
 double KidnappedRobot::error_m() const {
@@ -101,38 +66,16 @@ double KidnappedRobot::error_m() const {
 }
 
 void KidnappedRobot::step(ramscout_sim::TourDriver& driver) {
-  while (true) {
-    const Pose2 world_from_base = planar(simulation_.groundTruth().world_from_base);
-    simulation_.command(
-        driver.drive({world_from_base.x_m, world_from_base.y_m, world_from_base.yaw_rad}));
-    const ramscout_sim::Outputs outputs = simulation_.step();
-    if (outputs.odometry) {
-      const auto& pose = outputs.odometry->odom_from_base;
-      wheels_.push_back({outputs.odometry->stamp_ns, {pose.x_m, pose.y_m, pose.yaw_rad}});
-    }
-    if (!outputs.scan) continue;
-    take(*outputs.scan);
-    const Pose2 now = truth();
-    if (last_truth_) driven_m_ += (now.translation() - last_truth_->translation()).norm();
-    last_truth_ = now;
-    return;
-  }
-}
-
-void KidnappedRobot::take(const ramscout_sim::Scan& scan) {
-  const ram_slam::LaserScan readings = toLaserScan(scan, simulation_parameters_.lidar);
-  const Pose2 base_from_laser = planar(robot_.base_from_laser);
-  const auto wheels = std::find_if(wheels_.begin(), wheels_.end(), [&](const auto& reading) {
-    return reading.stamp_ns >= scan.stamp_ns;
-  });
-  if (wheels == wheels_.end()) return;
-  const Pose2 odom_from_base = wheels->pose;
-  wheels_.erase(wheels_.begin(), wheels);
-  const auto refined = laser_odometry_.update(readings, base_from_laser, odom_from_base);
-  kinematics_.add({scan.stamp_ns, refined.odom_from_base.pose});
+  const SimulatedRobot::Reading reading = robot_.drive(driver);
+  truth_ = reading.start_from_base;
+  if (last_truth_) driven_m_ += (truth_.translation() - last_truth_->translation()).norm();
+  last_truth_ = truth_;
+  const auto refined =
+      laser_odometry_.update(reading.scan, robot_.baseFromLaser(), reading.odom_from_base);
+  kinematics_.add({reading.scan.stamp_ns, refined.odom_from_base.pose});
   try {
-    slam_.update(detector_.detect(readings, base_from_laser), kinematics_,
-                 std::make_shared<const ram_slam::LaserView>(readings, base_from_laser));
+    slam_.update(detector_.detect(reading.scan, robot_.baseFromLaser()), kinematics_,
+                 std::make_shared<const ram_slam::LaserView>(reading.scan, robot_.baseFromLaser()));
   } catch (const std::out_of_range&) {
     // Odometry that jumped is not used at once: this reading is lost, as in the node.
   }
@@ -145,13 +88,17 @@ double KidnappedRobot::map() {
   while (driver.progress() < 1.0) {
     step(driver);
     lost_scans += slam_.lost() ? 1 : 0;
-    truths[slam_.stamp_ns()] = truth();
+    truths[slam_.stamp_ns()] = truth_;
   }
   for (const ram_slam::StampedPose2& pose : slam_.filter().trajectory()) {
     const auto when = truths.find(pose.stamp_ns);
     if (when != truths.end()) mapped_.push_back({when->second, pose.pose});
   }
-  return lost_scans / kScanRate_hz;
+  double sum = 0.0;
+  for (const MappedPose& pose : mapped_)
+    sum += (pose.truth.translation() - pose.estimate.translation()).squaredNorm();
+  mapping_error_m_ = std::sqrt(sum / static_cast<double>(mapped_.size()));
+  return lost_scans / robot_.scanRate_hz();
 }
 
 ramscout_sim::Tour KidnappedRobot::tourFrom(double way_m, double side_m, bool back) const {
@@ -191,7 +138,7 @@ std::string KidnappedRobot::mapBytes() const {
 
 Kidnapping KidnappedRobot::kidnap(double most_m) {
   ramscout_sim::Tour tour;
-  const Eigen::Vector2d here_m = simulation_.groundTruth().world_from_base.translation().head<2>();
+  const Eigen::Vector2d here_m = robot_.position_m();
   do {
     const double way_m = random_.uniform() * (tour_.length_m() - 1.0);
     const double side_m = kSide_m * (2.0 * random_.uniform() - 1.0);
@@ -202,10 +149,10 @@ Kidnapping KidnappedRobot::kidnap(double most_m) {
 
   ramscout_sim::TourDriver driver(tour);
   Kidnapping result;
-  simulation_.setPose({place_m.x(), place_m.y(), yaw_rad});
+  robot_.carryTo({place_m.x(), place_m.y(), yaw_rad});
   last_truth_.reset();
-  result.truth = truth();
-  const auto start_ns = simulation_.now_ns();
+  result.truth = robot_.startFromWorld({place_m.x(), place_m.y(), yaw_rad});
+  const auto start_ns = robot_.now_ns();
   const double start_m = driven_m_;
   std::string lost_map;
   double wrong_s = 0.0;
@@ -213,7 +160,7 @@ Kidnapping KidnappedRobot::kidnap(double most_m) {
   result.map_untouched = true;
   while (driven_m_ - start_m < most_m + kAfterwards_m) {
     step(driver);
-    const double since_s = static_cast<double>(simulation_.now_ns() - start_ns) * 1e-9;
+    const double since_s = static_cast<double>(robot_.now_ns() - start_ns) * 1e-9;
     const bool wrong = !slam_.lost() && isWrong(slam_.estimate().pose, placeInMap());
     if (slam_.lost()) {
       if (result.lost_after_s < 0.0) {
@@ -223,7 +170,7 @@ Kidnapping KidnappedRobot::kidnap(double most_m) {
       result.map_untouched = result.map_untouched && mapBytes() == lost_map;
       held = false;
     }
-    wrong_s = wrong && result.lost_after_s >= 0.0 ? wrong_s + 1.0 / kScanRate_hz : 0.0;
+    wrong_s = wrong && result.lost_after_s >= 0.0 ? wrong_s + 1.0 / robot_.scanRate_hz() : 0.0;
     result.longest_wrong_s = std::max(result.longest_wrong_s, wrong_s);
     if (slam_.lost() || wrong) {
       result.recovered_after_m = -1.0;

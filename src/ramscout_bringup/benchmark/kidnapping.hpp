@@ -10,7 +10,8 @@
 #include <ram_slam/scan_matching/laser_odometry.hpp>
 #include <ramscout_feature_detector/feature_detector.hpp>
 #include <ramscout_kinematics/kinematics.hpp>
-#include <ramscout_sim/simulation.hpp>
+
+#include "simulated_robot.hpp"
 
 namespace ramscout_bringup {
 
@@ -37,6 +38,8 @@ public:
   Kidnapping kidnap(double most_m);
 
   std::size_t landmarkCount() const { return slam_.filter().landmarks().landmarks.size(); }
+  /// Root mean square error of the mapping tour's trajectory.
+  double mappingError_m() const { return mapping_error_m_; }
   /// Distance of the estimate and where the robot is in its map.
   double error_m() const;
 
@@ -46,29 +49,25 @@ private:
     ram_slam::Pose2 estimate;
   };
 
-  /// Advances to the next scan that was used, driving the tour.
+  /// Advances to the next scan, driving the tour.
   void step(ramscout_sim::TourDriver& driver);
-  void take(const ramscout_sim::Scan& scan);
   ramscout_sim::Tour tourFrom(double way_m, double side_m, bool back) const;
-  ram_slam::Pose2 truth() const;
   /// Where the robot is in a map that is bent a little: from the nearest place of the mapping tour.
   ram_slam::Pose2 placeInMap() const;
   std::string mapBytes() const;
 
   ramscout_sim::Tour tour_;
-  ramscout_sim::World world_;
-  ramscout_sim::SimulationParameters simulation_parameters_;
-  ramscout_sim::RobotDescription robot_;
-  ramscout_sim::Simulation simulation_;
+  SimulatedRobot robot_;
   ram_slam::LaserOdometry laser_odometry_;
   ramscout_feature_detector::FeatureDetector detector_;
   ramscout_kinematics::Kinematics kinematics_;
   ram_slam::RecoveringSlam slam_;
   ram_slam::Random random_;
-  std::vector<ram_slam::StampedPose2> wheels_;
+  ram_slam::Pose2 truth_;  ///< in the frame of the start
   std::optional<ram_slam::Pose2> last_truth_;
   double driven_m_ = 0.0;
   std::vector<MappedPose> mapped_;
+  double mapping_error_m_ = 0.0;
 };
 
 }  // namespace ramscout_bringup

@@ -18,8 +18,9 @@ constexpr double kBarWrong_s = 5.0;
 int run(const char* config, int seed, int count) {
   ramscout_bringup::KidnappedRobot robot(config, seed);
   const double lost_s = robot.map();
-  std::printf("mapped: %zu landmarks, error at the end %.3f m, taken for lost %.1f s\n",
-              robot.landmarkCount(), robot.error_m(), lost_s);
+  std::printf(
+      "mapped: %zu landmarks, trajectory off by %.3f m, at the end %.3f m, taken for lost %.1f s\n",
+      robot.landmarkCount(), robot.mappingError_m(), robot.error_m(), lost_s);
   std::printf("%8s %8s %8s %9s %9s %8s %8s %s\n", "x [m]", "y [m]", "yaw", "lost [s]", "found [m]",
               "off [m]", "wrong[s]", "map untouched");
   int noticed = 0;

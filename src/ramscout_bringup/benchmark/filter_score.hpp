@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <ram_slam/feature.hpp>
+#include <ram_slam/laser_scan.hpp>
+#include <ram_slam/trajectory.hpp>
+
+#include "ramscout_bringup/slam_pipeline.hpp"
+
+namespace ramscout_bringup {
+
+/// One scan as the filter gets it.
+struct FilterStep {
+  ScanReading reading;
+  ram_slam::FeatureList features;
+  ram_slam::Pose2 odom_from_base;
+};
+
+/// How good FastSlam alone was on a recording of which the truth is known.
+struct FilterScore {
+  double ate_m = 0.0;
+  double odometry_m = 0.0;  ///< the same of the odometry that the filter is given
+  double yaw_rad = 0.0;
+  double online_m = 0.0;  ///< of the estimate as it was known then, in the frame of the start
+  double nees = 0.0;      ///< mean
+  double nees_in_band = 0.0;
+  double nees_above_band = 0.0;
+  double false_matches = 0.0;  ///< part of all matches
+  std::size_t landmarks = 0;
+  std::size_t found_again = 0;  ///< of those that could be: seen in both halves
+  std::size_t due_again = 0;
+  std::size_t in_free_space = 0;
+};
+
+/// Runs the filter over the steps, and judges it by the truth. docs/fast_slam.md says how.
+FilterScore scoreFilter(const SlamParameters& parameters,
+                        const std::vector<FilterStep>& steps,
+                        const ram_slam::Trajectory& truth);
+
+/// A line for people.
+void print(const std::string& name, const FilterScore& score);
+
+}  // namespace ramscout_bringup

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <string>
+
+#include <ram_slam/laser_scan.hpp>
+#include <ram_slam/pose2.hpp>
+#include <ram_slam/trajectory.hpp>
+#include <ramscout_sim/simulation.hpp>
+
+namespace ramscout_bringup {
+
+/// The simulated robot, which tells what its lidar and its wheels say at the same instant, and
+/// where it really was.
+class SimulatedRobot {
+public:
+  struct Reading {
+    ram_slam::LaserScan scan;
+    ram_slam::Pose2 odom_from_base;   ///< by the wheels, at the scan's stamp
+    ram_slam::Pose2 start_from_base;  ///< the truth then, in the frame of where the world file
+                                      ///< lets the robot start
+  };
+
+  /// \param config  the folder with the parameter files and the robot's description
+  SimulatedRobot(const std::string& config, const ramscout_sim::World& world, int seed);
+
+  /// Drives on to the next scan for which there is odometry.
+  Reading drive(ramscout_sim::TourDriver& driver);
+  /// Carries the robot away; what it has sensed before is forgotten.
+  void carryTo(const ramscout_sim::Pose2& world_from_base);
+
+  std::int64_t now_ns() const { return simulation_.now_ns(); }
+  Eigen::Vector2d position_m() const;  ///< in the world
+  const ram_slam::Pose2& baseFromLaser() const { return base_from_laser_; }
+  double scanRate_hz() const { return parameters_.lidar.scan_rate_hz; }
+  ram_slam::Pose2 startFromWorld(const ram_slam::Pose2& world) const;
+
+private:
+  ramscout_sim::Pose2 worldFromBase() const;
+  ram_slam::LaserScan toLaserScan(const ramscout_sim::Scan& scan) const;
+
+  ramscout_sim::World world_;
+  ramscout_sim::SimulationParameters parameters_;
+  ramscout_sim::RobotDescription robot_;
+  ramscout_sim::Simulation simulation_;
+  ram_slam::Pose2 base_from_laser_;
+  ram_slam::Trajectory wheels_;
+  ram_slam::Trajectory truth_;
+  std::deque<ramscout_sim::Scan> scans_;
+};
+
+}  // namespace ramscout_bringup
