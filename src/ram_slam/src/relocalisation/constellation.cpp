@@ -80,6 +80,17 @@ public:
     return distinct(std::move(all));
   }
 
+  PoseHypothesis refined(const Pose2& pose) const {
+    PoseHypothesis best = scored(pose);
+    for (int i = 0; i < kRefinements && best.pairs.size() >= 2; ++i) {
+      PoseHypothesis next = scored(fitted(best));
+      if (next.score <= best.score) break;
+      best = std::move(next);
+    }
+    if (best.pairs.size() >= 2) best.target_from_source.covariance = covarianceOf(best);
+    return best;
+  }
+
 private:
   static constexpr double kImpossible = -std::numeric_limits<double>::infinity();
 
@@ -244,17 +255,6 @@ private:
     return result;
   }
 
-  PoseHypothesis refined(const Pose2& pose) const {
-    PoseHypothesis best = scored(pose);
-    for (int i = 0; i < kRefinements && best.pairs.size() >= 2; ++i) {
-      PoseHypothesis next = scored(fitted(best));
-      if (next.score <= best.score) break;
-      best = std::move(next);
-    }
-    if (best.pairs.size() >= 2) best.target_from_source.covariance = covarianceOf(best);
-    return best;
-  }
-
   Pose2 fitted(const PoseHypothesis& hypothesis) const {
     std::vector<Eigen::Vector2d> targets_m;
     std::vector<Eigen::Vector2d> sources_m;
@@ -365,6 +365,17 @@ std::vector<PoseHypothesis> layOver(const Constellation& target,
   requireFinite(source);
   if (target.size() < 2 || source.size() < 2) return {};
   return Overlay(target, source, matchers, parameters).hypotheses();
+}
+
+PoseHypothesis hypothesisAt(const Constellation& target,
+                            const Constellation& source,
+                            const FeatureMatchers& matchers,
+                            const ConstellationParameters& parameters,
+                            const Pose2& target_from_source) {
+  parameters.validate();
+  requireFinite(target);
+  requireFinite(source);
+  return Overlay(target, source, matchers, parameters).refined(target_from_source);
 }
 
 double chanceScore(const Constellation& target, const ConstellationParameters& parameters) {

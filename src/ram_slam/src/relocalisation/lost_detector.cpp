@@ -41,6 +41,7 @@ void LostDetectorParameters::validate() const {
   require(match_distance > 0.0, "match_distance", match_distance, "> 0");
   require(minimum_evidence >= 1, "minimum_evidence", minimum_evidence, ">= 1");
   require(0.0 <= lost_below && lost_below <= 1.0, "lost_below", lost_below, "in [0, 1]");
+  require(0.0 < contradiction && contradiction <= 1.0, "contradiction", contradiction, "in (0, 1]");
   require(0.0 < discontinuity && discontinuity <= 1.0, "discontinuity", discontinuity, "in (0, 1]");
 }
 

@@ -29,15 +29,25 @@ constexpr double kFalseAlarmWithin_rad = 0.5;
 constexpr double kComparableSigma_m = 0.1;
 constexpr double kComparableSigma_rad = 0.05;
 constexpr double kTryEvery_m = 0.5;
+constexpr double kTryEveryShare =
+    0.05;  // of the way driven lost, so that long searches cost little
 constexpr double kSamePlace_m = 0.4;
 constexpr double kSamePlace_rad = 0.15;
-constexpr double kProbation_m = 8.0;
+constexpr double kProbation_m = 15.0;
+// Views that contradict those of the map: the share beyond what is usual adds up over time to this
+// much [s] before the robot takes itself for lost.
+constexpr double kMostDoubt_s = 0.2;
+// Where it was not found newly but came by itself, much more is needed.
+constexpr double kTrust = 4.0;
+// A pose this near at which the views agree: the map has drifted, and a loop is still open.
+constexpr double kMostDrift_m = 1.0;
+constexpr double kMostDrift_rad = 0.15;
+constexpr std::int64_t kDoubtEveryNs = 200'000'000;
+constexpr double kLongestDoubt_s = 0.2;  // that one view counts for
+
 // What a lost robot says about where it is: anywhere around.
 constexpr double kLostSigma_m = 100.0;
 constexpr double kLostSigma_rad = M_PI;
-// Standard deviations given to a place that was found: the filter finds the rest of the way.
-constexpr double kFoundSigma_m = 0.05;
-constexpr double kFoundSigma_rad = 0.02;
 constexpr double kResumeSigma_m = 0.1;
 constexpr double kResumeSigma_rad = 0.05;
 
@@ -63,6 +73,7 @@ RecoveryParameters readRecoveryParameters(ram_parameters::ParameterReader& all) 
   reader.read("minimum_evidence", p.lost.minimum_evidence);
   reader.read("lost_below", p.lost.lost_below);
   reader.read("discontinuity", p.lost.discontinuity);
+  reader.read("contradiction", p.lost.contradiction);
   reader.read("length", p.local.length);
   reader.read("minimum_sightings", p.local.minimum_sightings);
   reader.read("drift_per_m", p.local.drift_per_m);
@@ -121,10 +132,12 @@ void RecoveringSlam::update(const FeatureList& list,
   agreement_ = detector_.agreement();
   if (isDiscontinuous(now)) {
     loseTrack(LostReason::kDiscontinuity);
-  } else if (detector_.lost(stamp_ns_ <= suspicious_until_ns_)) {
+  } else if (contradictsMap(now) ||
+             (detector_.lost(stamp_ns_ <= suspicious_until_ns_) && !agreesWithMap(now))) {
     loseTrack(LostReason::kMapContradicts);
   } else {
     remember();
+    if (!on_probation_) map_views_.add(stamp_ns_, filter_.estimate().pose, path_m_, now.view);
     addView(now);
   }
 }
@@ -151,6 +164,40 @@ bool RecoveringSlam::isDiscontinuous(const View& now) {
   if (now.stamp_ns > suspicious_until_ns_) detector_.clear();  // only what comes now counts
   suspicious_until_ns_ = now.stamp_ns + kSuspiciousForNs;
   return false;
+}
+
+bool RecoveringSlam::contradictsMap(const View& now) {
+  if (now.view == nullptr || now.stamp_ns < doubted_ns_ + kDoubtEveryNs) return false;
+  const double since_s =
+      std::min(static_cast<double>(now.stamp_ns - doubted_ns_) * 1e-9, kLongestDoubt_s);
+  doubted_ns_ = now.stamp_ns;
+  const auto share = map_views_.watch(*now.view, filter_.estimate().pose, path_m_);
+  if (!share) return false;
+  doubt_s_ = std::max(0.0, doubt_s_ + since_s * (*share - usualContradiction()));
+  if (doubt_s_ <= kMostDoubt_s) return false;
+  doubt_s_ = 0.0;
+  return on_probation_ || !isDrift(now);
+}
+
+double RecoveringSlam::usualContradiction() const {
+  return (on_probation_ ? 1.0 : kTrust) * parameters_.lost.contradiction;
+}
+
+bool RecoveringSlam::agreesWithMap(const View& now) const {
+  if (now.view == nullptr) return false;
+  const auto share = map_views_.contradiction(*now.view, filter_.estimate().pose);
+  return share && *share < usualContradiction();
+}
+
+bool RecoveringSlam::isDrift(const View& now) const {
+  std::vector<LocalConstellation::PlacedView> views{{{}, now.view}};
+  for (const View& view : views_)
+    views.push_back({now.local_from_base.inverse() * view.local_from_base, view.view});
+  const Pose2& here = filter_.estimate().pose;
+  const Pose2 better = map_views_.refined(views, here);
+  const Pose2 away = here.inverse() * better;
+  return away.translation().norm() < kMostDrift_m && std::abs(away.yaw_rad) < kMostDrift_rad &&
+         map_views_.judge(views, better).contradiction < 0.5 * parameters_.lost.contradiction;
 }
 
 void RecoveringSlam::addView(View view) {
@@ -186,11 +233,13 @@ void RecoveringSlam::loseTrack(LostReason reason) {
   }
   memories_.clear();
   on_probation_ = false;
+  map_views_.follow(filter_.trajectory());
   last_good_view_.reset();
   if (reason == LostReason::kDiscontinuity && !views_.empty()) last_good_view_ = views_.front();
   views_.clear();
   contradicting_since_ns_ = 0;
   suspicious_until_ns_ = 0;
+  doubt_s_ = 0.0;
   detector_.clear();
   agreeing_since_ns_ = stamp_ns_;
   local_.clear();
@@ -234,8 +283,9 @@ bool RecoveringSlam::isFalseAlarm(const View& now) {
 }
 
 void RecoveringSlam::tryToRecover() {
-  next_try_m_ = local_.distance_m() + kTryEvery_m;
-  const std::optional<PoseWithCovariance2> place = findPlace();
+  next_try_m_ = local_.distance_m() + std::max(kTryEvery_m, kTryEveryShare * local_.distance_m());
+  const std::optional<PoseWithCovariance2> place =
+      findPlace(mapConstellation(), local_, map_views_, matchers_, parameters_.constellation);
   if (!place) {
     found_.reset();
     return;
@@ -251,27 +301,6 @@ void RecoveringSlam::tryToRecover() {
   resume(*place);
 }
 
-std::optional<PoseWithCovariance2> RecoveringSlam::findPlace() const {
-  const Constellation seen = local_.points();
-  if (static_cast<int>(seen.size()) < parameters_.constellation.minimum_pairs) return std::nullopt;
-  const Constellation map = mapConstellation();
-  std::vector<PoseHypothesis> hypotheses = layOver(map, seen, matchers_, parameters_.constellation);
-  const std::vector<LocalConstellation::PlacedView> views = local_.views();
-  for (PoseHypothesis& hypothesis : hypotheses) {
-    std::vector<bool> paired(map.size(), false);
-    for (const ConstellationPair& pair : hypothesis.pairs) paired[pair.target] = true;
-    hypothesis.score += contradiction(map, paired, hypothesis.target_from_source.pose, views);
-  }
-  const PoseHypothesis* best =
-      uniqueHypothesis(hypotheses, seen.size(), chanceScore(map, parameters_.constellation),
-                       parameters_.constellation);
-  if (best == nullptr) return std::nullopt;
-  PoseWithCovariance2 place = best->target_from_source;
-  const Eigen::Vector3d floor(kFoundSigma_m, kFoundSigma_m, kFoundSigma_rad);
-  place.covariance += Eigen::Matrix3d(floor.cwiseAbs2().asDiagonal());
-  return place;
-}
-
 Constellation RecoveringSlam::mapConstellation() const {
   Constellation map;
   for (const LandmarkEstimate& estimate : filter_.landmarks().landmarks) {
@@ -284,6 +313,8 @@ Constellation RecoveringSlam::mapConstellation() const {
 }
 
 void RecoveringSlam::resume(const PoseWithCovariance2& map_from_base) {
+  map_views_.follow(filter_.trajectory());
+  map_views_.trustMap(path_m_);
   FastSlam moved = filter_;
   moved.setPose(map_from_base, stamp_ns_);
   memories_.clear();
@@ -298,6 +329,7 @@ void RecoveringSlam::resume(const PoseWithCovariance2& map_from_base) {
   detector_.trustMap(path_m_);
   views_.clear();
   contradicting_since_ns_ = 0;
+  doubt_s_ = 0.0;
   found_.reset();
 }
 
@@ -323,6 +355,8 @@ Pose2 RecoveringSlam::followTrajectory(const Trajectory& smoothed) {
   const Pose2 map_from_smoothed = filter_.followTrajectory(smoothed);
   memories_.clear();
   on_probation_ = false;
+  map_views_.follow(filter_.trajectory());
+  doubt_s_ = 0.0;
   detector_.clear();
   return map_from_smoothed;
 }
@@ -335,6 +369,7 @@ void RecoveringSlam::forgetPose() {
 
 void RecoveringSlam::setMap(const LandmarkMap& map) {
   filter_.setMap(map);
+  map_views_.clear();
   forgetPose();
 }
 

@@ -85,6 +85,15 @@ std::vector<PoseHypothesis> layOver(const Constellation& target,
                                     const FeatureMatchers& matchers,
                                     const ConstellationParameters& parameters);
 
+/// What layOver() would make of the source if it lay there: the same score, after the same
+/// refinement.
+/// \throws as layOver()
+PoseHypothesis hypothesisAt(const Constellation& target,
+                            const Constellation& source,
+                            const FeatureMatchers& matchers,
+                            const ConstellationParameters& parameters,
+                            const Pose2& target_from_source);
+
 /// The logarithm of how many clearly different poses a source can have in that target: what the
 /// best of so many chance hits is expected to score.
 double chanceScore(const Constellation& target, const ConstellationParameters& parameters);

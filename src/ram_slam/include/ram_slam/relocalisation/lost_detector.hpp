@@ -25,6 +25,9 @@ struct LostDetectorParameters {
   /// Two readings contradict each other in more than this share of what both know about: the robot
   /// was carried away.
   double discontinuity = 0.4;
+  /// Readings contradict those that the map was learned from in more than this share, again and
+  /// again: the robot is somewhere else.
+  double contradiction = 0.1;
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;

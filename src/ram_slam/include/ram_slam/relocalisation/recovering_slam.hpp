@@ -11,6 +11,8 @@
 #include "ram_slam/relocalisation/constellation.hpp"
 #include "ram_slam/relocalisation/local_constellation.hpp"
 #include "ram_slam/relocalisation/lost_detector.hpp"
+#include "ram_slam/relocalisation/map_views.hpp"
+#include "ram_slam/relocalisation/place_finder.hpp"
 #include "ram_slam/trajectory.hpp"
 
 namespace ram_slam {
@@ -104,12 +106,19 @@ private:
   /// Whether this view and one a little older show different places.
   bool isDiscontinuous(const View& now);
   bool isFalseAlarm(const View& now);
+  /// Whether views of late contradict those that the map was learned from.
+  bool contradictsMap(const View& now);
+  /// The share of contradiction that says nothing.
+  double usualContradiction() const;
+  /// Whether this view is as the map's are: then landmarks that are not there were moved.
+  bool agreesWithMap(const View& now) const;
+  /// Whether a pose nearby would agree with the views of late.
+  bool isDrift(const View& now) const;
   void remember();
   /// Back to the map as it was before.
   void loseTrack(LostReason reason);
   void resume(const PoseWithCovariance2& map_from_base);
   void tryToRecover();
-  std::optional<PoseWithCovariance2> findPlace() const;
   Constellation mapConstellation() const;
   void addView(View view);
 
@@ -128,11 +137,14 @@ private:
   std::deque<Memory> memories_;  ///< oldest first
   bool on_probation_ = false;    ///< the place is newly found: memories_ is from before
   double probation_left_m_ = 0.0;
+  MapViews map_views_;
   std::deque<View> views_;                   ///< of the last second, oldest first
   std::optional<View> last_good_view_;       ///< from before the robot was lost
   std::int64_t contradicting_since_ns_ = 0;  ///< 0: the views of late agree
   std::int64_t suspicious_until_ns_ = 0;
   std::int64_t agreeing_since_ns_ = 0;  ///< with the view from before
+  std::int64_t doubted_ns_ = 0;         ///< when a view was compared with the map's last
+  double doubt_s_ = 0.0;                ///< how much such views have contradicted of late
   PoseWithCovariance2 dead_reckoned_;   ///< while lost
   double next_try_m_ = 0.0;
   std::optional<Pose2> found_;  ///< local frame in the map, as the last try found it

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "ram_slam/relocalisation/constellation.hpp"
+#include "ram_slam/relocalisation/local_constellation.hpp"
+#include "ram_slam/relocalisation/map_views.hpp"
+
+namespace ram_slam {
+
+/// Where in the map the robot is; none as long as no place is much likelier than all others.
+///
+/// Places are proposed by the features (layOver()) and by the views (MapViews::candidates()), each
+/// is judged by both: score = features that fit + landmarks that the views should show and do not
+/// (contradiction()) + how the views agree with those of the map (MapViews::judge()). The best is
+/// accepted if uniqueHypothesis() says so. Where the map has views they have to agree, and then
+/// fewer features will do, since rooms that look alike to a few features seldom have the same
+/// walls.
+std::optional<PoseWithCovariance2> findPlace(const Constellation& map,
+                                             const LocalConstellation& local,
+                                             const MapViews& map_views,
+                                             const FeatureMatchers& matchers,
+                                             const ConstellationParameters& parameters);
+
+}  // namespace ram_slam
