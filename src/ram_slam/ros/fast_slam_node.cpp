@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include <geometry_msgs/PoseArray.h>
 #include <nav_msgs/Path.h>
@@ -148,12 +149,21 @@ void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
       ROS_WARN_THROTTLE(kLogPeriodS,
                         "Features come faster than they can be used: dropped the oldest");
     }
-    queue_.push_back(std::move(checked.list));
+    enqueue(std::move(checked.list));
     queue_changed_.notify_one();
   } catch (const std::exception& error) {
     diagnostics_.addRejectedList();
     ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected features: " << error.what());
   }
+}
+
+void FastSlamNode::enqueue(ram_slam::FeatureList list) {
+  // Detectors need different times for one scan; what is much older is of another run of the clock.
+  auto place = queue_.end();
+  while (place != queue_.begin() && std::prev(place)->stamp_ns > list.stamp_ns &&
+         std::prev(place)->stamp_ns - list.stamp_ns < kClockSetBackNs)
+    --place;
+  queue_.insert(place, std::move(list));
 }
 
 void FastSlamNode::onScan(const sensor_msgs::LaserScanConstPtr& message) {

@@ -54,6 +54,8 @@ public:
 private:
   void onFeatures(const ram_slam_msgs::FeatureList& message);
   void onScan(const sensor_msgs::LaserScanConstPtr& message);
+  /// Puts a list in its place by stamp; the caller holds queue_mutex_.
+  void enqueue(ram_slam::FeatureList list);
   /// Bends the map along what a smoother found.
   void onSmoothedTrajectory(const nav_msgs::Path& message);
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
