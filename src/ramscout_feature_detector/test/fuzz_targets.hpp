@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -29,38 +30,61 @@ inline void requireFinite(const ram_slam::FeatureList& list) {
   }
 }
 
-/// Four floats of geometry and limits, then one byte for each range: what a lidar sees is mostly
-/// smooth, so that the bytes are steps from range to range; the highest ones are values without
-/// meaning.
-inline ram_slam::LaserScan scanOfBytes(const std::uint8_t* data, std::size_t size) {
+/// The distance to the walls of a room around the laser, 2.2 m by 1.6 m.
+inline float roomRange_m(double bearing_rad) {
+  const double x = std::max(std::abs(std::cos(bearing_rad)), 1e-9);
+  const double y = std::max(std::abs(std::sin(bearing_rad)), 1e-9);
+  return static_cast<float>(std::min(1.1 / x, 0.8 / y));
+}
+
+/// The first byte chooses among scans of a room and scans of any geometry and limits, given by four
+/// floats. Then one byte for each range, at most `max_beams`: what a lidar sees is mostly smooth,
+/// so that the bytes are steps of the distance from the room's walls; the highest ones are values
+/// without meaning.
+inline ram_slam::LaserScan scanOfBytes(const std::uint8_t* data,
+                                       std::size_t size,
+                                       std::size_t max_beams) {
+  struct Geometry {
+    float angle_min_rad, angle_increment_rad, range_min_m, range_max_m;
+  };
+  static constexpr Geometry kRooms[] = {{-0.2F, 0.025F, 0.05F, 30.0F},
+                                        {1.5F, -0.04F, 0.0F, 2.0F},
+                                        {-3.14159265F, 0.09817477F, 0.1F, 8.0F}};
   ram_slam::LaserScan scan;
-  float header[4] = {};
-  std::memcpy(header, data, std::min(size, sizeof(header)));
-  scan.angle_min_rad = header[0];
-  scan.angle_increment_rad = header[1];
-  scan.range_min_m = header[2];
-  scan.range_max_m = header[3];
-  const float odd[] = {NAN, INFINITY, -INFINITY, 0.0F, -1.0F, 1e30F, 1e-40F, header[3]};
-  float range_m = 2.0F;
-  for (std::size_t i = sizeof(header); i < size; ++i) {
-    if (data[i] >= 248) {
-      scan.ranges_m.push_back(odd[data[i] - 248]);
+  if (size == 0) return scan;
+  const std::size_t kind = data[0] % 4;
+  std::size_t next = 1;
+  Geometry geometry{};
+  if (kind < 3) {
+    geometry = kRooms[kind];
+  } else {
+    std::memcpy(&geometry, data + 1, std::min(size - 1, sizeof(geometry)));
+    next += sizeof(geometry);
+  }
+  scan.angle_min_rad = geometry.angle_min_rad;
+  scan.angle_increment_rad = geometry.angle_increment_rad;
+  scan.range_min_m = geometry.range_min_m;
+  scan.range_max_m = geometry.range_max_m;
+  const float odd[] = {NAN, INFINITY, -INFINITY, 0.0F, -1.0F, 1e30F, 1e-40F, geometry.range_max_m};
+  float off_m = 0.0F;
+  for (; next < size && scan.ranges_m.size() < max_beams; ++next) {
+    if (data[next] >= 248) {
+      scan.ranges_m.push_back(odd[data[next] - 248]);
       continue;
     }
-    const float step = (static_cast<float>(data[i]) - 124.0F) / 124.0F;
-    range_m += step * step * step * 2.0F;
-    scan.ranges_m.push_back(range_m);
+    const float step = (static_cast<float>(data[next]) - 124.0F) / 124.0F;
+    off_m += step * step * step * 2.0F;
+    scan.ranges_m.push_back(off_m + roomRange_m(scan.bearing_rad(scan.ranges_m.size())));
   }
   return scan;
 }
 
-inline void tryScan(const std::uint8_t* data, std::size_t size) {
-  static const FeatureDetector detector({});
-  static const EdgeDetector edge_detector({});
-  const ram_slam::LaserScan scan = scanOfBytes(data, size);
+inline void tryScan(const FeatureDetector& corners,
+                    const EdgeDetector& edges,
+                    const ram_slam::LaserScan& scan) {
   try {
-    requireFinite(detector.detect(scan, {}));
-    requireFinite(edge_detector.detect(scan, {}));
+    requireFinite(corners.detect(scan, {}));
+    requireFinite(edges.detect(scan, {}));
   } catch (const std::invalid_argument&) {
   }
 }

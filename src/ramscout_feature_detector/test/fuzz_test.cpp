@@ -16,18 +16,22 @@ std::vector<std::uint8_t> bytes(ram_slam::Random& random, std::size_t count) {
 }
 
 TEST(Fuzz, AnyScanIsRefusedOrYieldsFiniteFeatures) {
+  const FeatureDetector corners({});
+  const EdgeDetector edges({});
   ram_slam::Random random(1);
+  std::size_t found = 0;
   for (int i = 0; i < 5000; ++i) {
-    auto data = bytes(random, 16 + static_cast<std::size_t>(300.0 * random.uniform()));
-    if (i % 8 != 0) {  // geometry that makes sense, mostly smooth surfaces
-      const float header[4] = {-1.5F, 0.01F, 0.05F, 30.0F};
-      std::memcpy(data.data(), header, sizeof(header));
-      for (std::size_t j = sizeof(header); j < data.size(); ++j) {
-        if (i % 3 != 0 && data[j] < 240) data[j] = static_cast<std::uint8_t>(109 + data[j] % 31);
+    auto data = bytes(random, 17 + static_cast<std::size_t>(300.0 * random.uniform()));
+    if (i % 3 != 0) {  // mostly smooth surfaces
+      for (std::size_t j = 1; j < data.size(); ++j) {
+        if (data[j] < 240) data[j] = static_cast<std::uint8_t>(109 + data[j] % 31);
       }
     }
-    tryScan(data.data(), data.size());
+    const ram_slam::LaserScan scan = scanOfBytes(data.data(), data.size(), 1000);
+    tryScan(corners, edges, scan);
+    if (data[0] % 4 != 3) found += corners.analyse(scan).corners.size();
   }
+  EXPECT_GT(found, 100U);
 }
 
 TEST(Fuzz, AnyClassifierIsReadOrIgnored) {
