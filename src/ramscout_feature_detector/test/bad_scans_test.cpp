@@ -114,6 +114,64 @@ TEST(BadScans, SaltNoiseBoundsTheFeatures) {
   }
 }
 
+/// Features farther than 0.1 m from all of the corners.
+int countStrayFeatures(const ram_slam::LaserScan& scan,
+                       const std::vector<Eigen::Vector2d>& corners_m) {
+  int stray = 0;
+  for (const auto& feature : FeatureDetector({}).detect(scan, {}).features) {
+    double nearest_m = 1e9;
+    for (const Eigen::Vector2d& corner_m : corners_m) {
+      nearest_m = std::min(nearest_m, (feature.position_m - corner_m).norm());
+    }
+    stray += nearest_m > 0.1 ? 1 : 0;
+  }
+  return stray;
+}
+
+TEST(BadScans, MixedPixelsAtTheSidesOfACupboardAreSeldomFeatures) {
+  const std::vector<Eigen::Vector2d> room_m = {{-2.0, -1.7}, {3.2, -1.7}, {3.2, 1.9}, {-2.0, 1.9}};
+  const std::vector<Eigen::Vector2d> cupboard_m = {
+      {1.2, -0.5}, {2.0, -0.5}, {2.0, 0.4}, {1.2, 0.4}};
+  PolygonWorld world;
+  world.add(room_m, true);
+  world.add(cupboard_m, true);
+  auto corners_m = room_m;
+  corners_m.insert(corners_m.end(), cupboard_m.begin(), cupboard_m.end());
+  int mixed = 0;
+  int stray = 0;
+  for (int seed = 0; seed < 50; ++seed) {
+    ram_slam::Random random(seed);
+    auto scan = world.scan({}, 0.01, random, 720, -M_PI, 2.0 * M_PI / 720);
+    for (std::size_t i = 0; i + 3 < scan.ranges_m.size(); ++i) {
+      const float step_m = scan.ranges_m[i + 3] - scan.ranges_m[i];
+      if (std::abs(step_m) < 0.5F) continue;
+      scan.ranges_m[i + 1] = scan.ranges_m[i] + static_cast<float>(random.uniform()) * step_m;
+      scan.ranges_m[i + 2] = scan.ranges_m[i] + static_cast<float>(random.uniform()) * step_m;
+      i += 3;
+      ++mixed;
+    }
+    stray += countStrayFeatures(scan, corners_m);
+  }
+  EXPECT_GE(mixed, 100);
+  EXPECT_LE(stray, mixed / 20);
+}
+
+TEST(BadScans, GlassThatSomeBeamsPassIsNoFeature) {
+  const std::vector<Eigen::Vector2d> room_m = {{-2.0, -1.7}, {2.2, -1.7}, {2.2, 1.9}, {-2.0, 1.9}};
+  PolygonWorld room;
+  room.add(room_m, true);
+  for (int seed = 0; seed < 50; ++seed) {
+    ram_slam::Random random(seed);
+    auto scan = room.scan({}, 0.01, random, 720, -M_PI, 2.0 * M_PI / 720);
+    for (std::size_t i = 320; i < 400; ++i) {  // what stands behind, or its mirror image
+      if (random.uniform() < 0.5) {
+        scan.ranges_m[i] += 1.0F + 2.0F * static_cast<float>(random.uniform());
+      }
+    }
+    EXPECT_EQ(countStrayFeatures(scan, room_m), 0) << seed;
+  }
+}
+
 TEST(BadScans, UnusableScansAreRefused) {
   const auto refused = [](auto&& change) {
     auto scan = roomScan();

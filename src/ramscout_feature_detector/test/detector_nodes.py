@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 """The detectors as nodes: scans of any shape from any mounting, and what they refuse."""
+import io
 import math
+import subprocess
+import threading
 import time
 import unittest
 
@@ -8,6 +11,7 @@ import rospy
 import rostest
 from geometry_msgs.msg import TransformStamped
 from ram_slam_msgs.msg import FeatureList
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image, LaserScan
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
@@ -49,20 +53,31 @@ def mountings():
     return TFMessage(messages)
 
 
+class TruncatedScan(LaserScan):
+    """Loses its end on the wire."""
+
+    def serialize(self, buff):
+        whole = io.BytesIO()
+        LaserScan.serialize(self, whole)
+        buff.write(whole.getvalue()[:-1000])
+
+
 class DetectorNodes(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.stamp = 100.0
         cls.lists = []
         cls.edges = []
+        cls.logs = []
         cls.tf = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
         cls.tf.publish(mountings())
         cls.publisher = rospy.Publisher("scan", LaserScan, queue_size=10)
         cls.subscribers = [
             rospy.Subscriber("features", FeatureList, cls.lists.append),
-            rospy.Subscriber("edges", FeatureList, cls.edges.append)]
+            rospy.Subscriber("edges", FeatureList, cls.edges.append),
+            rospy.Subscriber("/rosout", Log, cls.logs.append)]
         cls.wait_until(lambda: cls.publisher.get_num_connections() == 2)
-        cls.wait_until(lambda: all(s.get_num_connections() == 1 for s in cls.subscribers))
+        cls.wait_until(lambda: all(s.get_num_connections() >= 1 for s in cls.subscribers))
         for frame in MOUNTINGS:  # until the mountings have arrived
             cls.wait_until(lambda: cls.send_and_wait(cls.scan(frame=frame), 0.2) is not None)
 
@@ -179,6 +194,44 @@ class DetectorNodes(unittest.TestCase):
         self.publisher.publish(scan)
         self.assertEqual(self.corners_of(self.scan()), 4)  # the next one is through
         self.assertEqual(sum(features.header.stamp == scan.header.stamp for features in self.lists), 1)
+
+    def said(self, node, level, text):
+        return any(log.name == node and log.level == level and text in log.msg for log in self.logs)
+
+    def test_a_truncated_scan_is_skipped_and_named(self):
+        scan = self.scan()
+        self.skips(TruncatedScan(*[getattr(scan, slot) for slot in LaserScan.__slots__]))
+        self.assertTrue(self.wait_until(lambda: self.said("/feature_detector", Log.ERROR, "deserializing")))
+
+    def test_a_publisher_of_another_type_is_refused(self):
+        other = subprocess.Popen(["rostopic", "pub", "-r", "20", "scan", "std_msgs/String", "no scan"],
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+        def publishers():
+            state = rospy.get_master().getSystemState()[2][0]
+            return next(nodes for topic, nodes in state if topic == rospy.resolve_name("scan"))
+
+        try:
+            self.assertTrue(self.wait_until(lambda: len(publishers()) == 2))
+            for _ in range(5):
+                self.assertEqual(self.corners_of(self.scan()), 4)
+        finally:
+            other.terminate()
+            other.wait()
+
+    def test_a_node_without_parameters_says_so(self):
+        for detector in ("feature_detector", "edge_detector"):
+            node = subprocess.Popen(["rosrun", "ramscout_feature_detector", detector, "__name:=bare_" + detector,
+                                     "scan:=nothing", "features:=nowhere"], stderr=subprocess.PIPE, text=True)
+            limit = threading.Timer(TIMEOUT_S, node.terminate)
+            limit.start()
+            try:
+                self.assertTrue(any("all are at their defaults" in line for line in node.stderr), detector)
+            finally:
+                limit.cancel()
+                node.terminate()
+                node.wait()
+                node.stderr.close()
 
     def test_both_detectors_run_side_by_side(self):
         scan = self.scan()
