@@ -136,7 +136,7 @@ int main(int argc, char** argv) {
                   "false %s world %d scan %d range %.2f at %.3f %.3f off %.2f sigma %.3f rho %.3f "
                   "%.3f chi2 %.1f\n",
                   name, seed + i / poses, i, feature.position_m.norm(), p.x(), p.y(), off_m,
-                  std::sqrt(feature.covariance_m2.trace()), c.lines.cornerness, c.cornerness,
+                  std::sqrt(feature.covariance_m2.trace()), c.lines.cornerness, c.peak.cornerness,
                   c.lines.significance);
         }
       }

@@ -13,10 +13,9 @@
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr int kSearchRadius = 8;   // pixels around the place where a maximum may lie
 constexpr int kWindowRadius = 10;  // 2.5 standard deviations of the window
 constexpr float kWindowSigma = 4.0F;
-constexpr int kResponses = 2 * (kSearchRadius + 1) + 1;  // a maximum needs neighbours
+constexpr int kResponses = 2 * (kPeakSearchPixels + 1) + 1;  // a maximum needs neighbours
 constexpr int kGradients = kResponses + 2 * kWindowRadius;
 static_assert(kResponses == kResponsePixels);
 static_assert(kPatchPixels == kGradients + 2, "a gradient needs neighbours");
@@ -188,15 +187,14 @@ std::vector<ResponsePeak> findResponsePeaks(const std::vector<Eigen::Vector2d>& 
       if (!isLocalMaximum(tensors.min_eigenvalue, row, column)) continue;
       const auto offset = foerstnerOffset(gradients, row, column);
       if (!offset) continue;
+      const int border = kWindowRadius + 1;
       ResponsePeak peak;
       peak.level = level;
+      peak.column = first_column + border + column;
+      peak.row = first_row + border + row;
       peak.min_eigenvalue = tensors.min_eigenvalue[row][column];
       peak.cornerness = peak.min_eigenvalue / (tensors.xx[row][column] + tensors.yy[row][column]);
-      const int border = kWindowRadius + 1;
-      peak.point_m =
-          (Eigen::Vector2d(first_column + border + column + 0.5, first_row + border + row + 0.5) +
-           *offset) /
-          ppm;
+      peak.point_m = (Eigen::Vector2d(peak.column + 0.5, peak.row + 0.5) + *offset) / ppm;
       peaks.push_back(peak);
     }
   }

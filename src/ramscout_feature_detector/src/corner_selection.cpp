@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <utility>
 
 #include <Eigen/LU>
 
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr double kFarthestFromSurfaceM = 0.15;
 constexpr double kFarthestPeakPixels = 5.0;
-constexpr double kSameCornerM = 0.03;
 constexpr double kSignificantOnOneLevel = 25.0;
 
 bool isCertain(const Eigen::Matrix2d& covariance_m2, const FeatureDetectorParameters& parameters) {
@@ -22,22 +20,56 @@ bool isCertain(const Eigen::Matrix2d& covariance_m2, const FeatureDetectorParame
   return largest <= parameters.position_sigma_limit * parameters.position_sigma_limit;
 }
 
-/// Whether the ridges in the image cross where the lines do.
+/// Whether the ridges in the image cross where the lines do, and the maximum is there.
 bool agrees(const ResponsePeak& peak,
             const TwoLineCorner& lines,
             const FeatureDetectorParameters& parameters) {
   const double ppm = std::ldexp(parameters.ppm, -peak.level);
-  return (peak.point_m - lines.position_m).norm() * ppm <= kFarthestPeakPixels;
+  const auto isNear = [ppm](int pixel, double place_m) {
+    return std::abs(pixel - static_cast<int>(std::floor(place_m * ppm))) <= kPeakSearchPixels;
+  };
+  return isNear(peak.column, lines.position_m.x()) && isNear(peak.row, lines.position_m.y()) &&
+         (peak.point_m - lines.position_m).norm() * ppm <= kFarthestPeakPixels;
 }
 
-/// Two splits some points apart may stand for one corner.
-bool isSame(const TwoLineCorner& a, const TwoLineCorner& b) {
-  return a.split == b.split || (a.position_m - b.position_m).norm() < kSameCornerM;
+/// The strongest of the peaks that speak for a corner.
+const ResponsePeak* supportOf(const TwoLineCorner& lines,
+                              const std::vector<ResponsePeak>& peaks,
+                              const FeatureDetectorParameters& parameters) {
+  const ResponsePeak* strongest = nullptr;
+  for (const ResponsePeak& peak : peaks) {
+    if (peak.cornerness < parameters.corner_threshold || !agrees(peak, lines, parameters)) continue;
+    if (strongest == nullptr || peak.min_eigenvalue > strongest->min_eigenvalue) strongest = &peak;
+  }
+  return strongest;
+}
+
+bool sharePeak(const Corner& a, const Corner& b) {
+  return a.peak.level == b.peak.level && a.peak.column == b.peak.column && a.peak.row == b.peak.row;
+}
+
+/// Of the crossings of lines that one peak speaks for the most significant one.
+std::vector<Corner> onePerPeak(const std::vector<Corner>& corners) {
+  std::vector<Corner> kept;
+  for (const Corner& corner : corners) {
+    const auto same = std::find_if(kept.begin(), kept.end(),
+                                   [&](const Corner& other) { return sharePeak(other, corner); });
+    if (same == kept.end()) {
+      kept.push_back(corner);
+    } else if (corner.lines.significance > same->lines.significance) {
+      *same = corner;
+    }
+  }
+  return kept;
 }
 
 void sortStrongestFirst(std::vector<Corner>& corners) {
-  std::stable_sort(corners.begin(), corners.end(),
-                   [](const Corner& a, const Corner& b) { return a.response > b.response; });
+  // Not stable_sort: its buffer is not aligned for fixed-size matrices if built for wider
+  // registers.
+  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
+    return std::make_pair(a.peak.min_eigenvalue, a.lines.significance) >
+           std::make_pair(b.peak.min_eigenvalue, b.lines.significance);
+  });
 }
 
 }  // namespace
@@ -54,69 +86,42 @@ bool isAdmissible(const TwoLineCorner& corner,
          isCertain(corner.covariance_m2, parameters);
 }
 
-const std::optional<TwoLineCorner>& CornerCollection::linesAt(std::size_t near_index) {
-  static const std::optional<TwoLineCorner> none;
-  const auto split = findSplit(contour_, near_index);
-  if (!split) return none;
-  const auto known = lines_.find(*split);
-  if (known != lines_.end()) return known->second;
-  auto lines = fitCorner(contour_, *split, parameters_);
-  if (lines && !isAdmissible(*lines, contour_, parameters_)) lines.reset();
-  return lines_.emplace(*split, lines).first->second;
-}
-
-void CornerCollection::add(const ResponsePeak& peak) {
-  if (peak.cornerness < parameters_.corner_threshold) return;
-  const std::size_t nearest = contour_.nearest(peak.point_m);
-  if ((contour_[nearest] - peak.point_m).norm() > kFarthestFromSurfaceM) return;
-  const auto& lines = linesAt(nearest);
-  if (!lines || !agrees(peak, *lines, parameters_)) return;
-  auto same = std::find_if(candidates_.begin(), candidates_.end(), [&](const auto& candidate) {
-    return isSame(candidate.corner.lines, *lines);
-  });
-  if (same == candidates_.end()) {
-    candidates_.push_back({{*lines, peak.level}, 0});
-    same = candidates_.end() - 1;
+std::optional<Corner> confirm(const TwoLineCorner& lines,
+                              const std::function<std::vector<ResponsePeak>(int level)>& peaks_on,
+                              const FeatureDetectorParameters& parameters) {
+  std::optional<Corner> corner;
+  bool finer_agrees = false;
+  for (int level = 0; level < parameters.scale_levels; ++level) {
+    const std::vector<ResponsePeak> peaks = peaks_on(level);
+    const ResponsePeak* peak = supportOf(lines, peaks, parameters);
+    if (peak != nullptr) {
+      if (!corner) corner = Corner{lines, *peak};
+      if (finer_agrees || parameters.scale_levels == 1 ||
+          lines.significance >= kSignificantOnOneLevel) {
+        return corner;
+      }
+    }
+    finer_agrees = peak != nullptr;
   }
-  same->levels |= 1U << peak.level;
-  Corner& corner = same->corner;
-  if (peak.level < corner.level ||
-      (peak.level == corner.level && peak.min_eigenvalue > corner.response)) {
-    corner.level = peak.level;
-    corner.response = peak.min_eigenvalue;
-    corner.cornerness = peak.cornerness;
-  }
+  return std::nullopt;
 }
 
-bool CornerCollection::isAccepted(const Candidate& candidate) const {
-  return parameters_.scale_levels == 1 || (candidate.levels & (candidate.levels >> 1)) != 0 ||
-         candidate.corner.lines.significance >= kSignificantOnOneLevel;
-}
-
-bool CornerCollection::isSettled(const TwoLineCorner& lines) const {
-  return std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& candidate) {
-    return isSame(candidate.corner.lines, lines) && isAccepted(candidate);
-  });
-}
-
-std::vector<Corner> CornerCollection::select() const {
-  std::vector<Corner> corners;
-  double best = 0.0;
-  for (const Candidate& candidate : candidates_) {
-    if (!isAccepted(candidate)) continue;
-    corners.push_back(candidate.corner);
-    best = std::max(best, candidate.corner.response);
-  }
-  if (parameters_.relative_threshold) {
+std::vector<Corner> select(std::vector<Corner> corners,
+                           const FeatureDetectorParameters& parameters) {
+  corners = onePerPeak(corners);
+  if (parameters.relative_threshold) {
+    double best = 0.0;
+    for (const Corner& corner : corners) best = std::max(best, corner.peak.min_eigenvalue);
     corners.erase(std::remove_if(corners.begin(), corners.end(),
                                  [&](const Corner& corner) {
-                                   return corner.response < parameters_.feature_threshold * best;
+                                   return corner.peak.min_eigenvalue <
+                                          parameters.feature_threshold * best;
                                  }),
                   corners.end());
   }
-  corners = suppressNeighbours(std::move(corners), parameters_.feature_distance);
-  if (corners.size() > static_cast<std::size_t>(parameters_.max_features)) {
-    corners.resize(parameters_.max_features);
+  corners = suppressNeighbours(std::move(corners), parameters.feature_distance);
+  if (corners.size() > static_cast<std::size_t>(parameters.max_features)) {
+    corners.resize(parameters.max_features);
   }
   return corners;
 }

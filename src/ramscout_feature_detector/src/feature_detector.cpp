@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_feature_detector/feature_detector.hpp"
 
-#include <set>
 #include <stdexcept>
 
 #include "ramscout_feature_detector/corner_response.hpp"
@@ -16,21 +15,19 @@ namespace {
 /// The image function is evaluated only at admissible crossings of two lines, and from the finest
 /// level on only until the matter is settled.
 std::vector<Corner> cornersOf(const Contour& contour, const FeatureDetectorParameters& parameters) {
-  CornerCollection collection(contour, parameters);
   std::vector<Eigen::Vector2d> polyline_m;
-  std::set<std::size_t> seen;
-  for (const std::size_t candidate : findCandidates(contour, parameters)) {
-    const auto& lines = collection.linesAt(candidate);
-    if (!lines || !seen.insert(lines->split).second) continue;
+  std::vector<Corner> corners;
+  for (const std::size_t split : findSplits(contour)) {
+    if (!isPromising(contour, split, parameters)) continue;
+    const auto lines = fitCorner(contour, split, parameters);
+    if (!lines || !isAdmissible(*lines, contour, parameters)) continue;
     if (polyline_m.empty()) polyline_m = extrapolate(contour, parameters.extrapolation_distance);
-    for (int level = 0; level < parameters.scale_levels; ++level) {
-      for (const auto& peak : findResponsePeaks(polyline_m, lines->position_m, level, parameters)) {
-        collection.add(peak);
-      }
-      if (collection.isSettled(*lines)) break;
-    }
+    const auto peaks_on = [&](int level) {
+      return findResponsePeaks(polyline_m, lines->position_m, level, parameters);
+    };
+    if (const auto corner = confirm(*lines, peaks_on, parameters)) corners.push_back(*corner);
   }
-  return collection.select();
+  return select(std::move(corners), parameters);
 }
 
 ram_slam::Feature toFeature(const Corner& corner,

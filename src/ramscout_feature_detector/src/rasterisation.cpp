@@ -15,7 +15,8 @@ constexpr std::size_t kSmallestTangentPoints = 3;
 constexpr float kKernelReach = 3.5F;    // Mahalanobis distance where the kernel ends
 constexpr float kSmallestSigma = 0.7F;  // pixels; narrower kernels alias
 constexpr int kRegisterPixels = 8;
-/// Points closer than this [pixels] to the one drawn before add nothing that the kernel would show.
+/// Runs of points closer than this [pixels] to the one drawn before are left out: a gap that is
+/// less than 2 % darker than the line would be.
 constexpr float kSmallestEdge = 0.3F;
 
 /// exp(-x) for x in [0, 8) within 1e-4, in a form that compilers vectorise.
@@ -182,10 +183,13 @@ ImagePatch rasterise(const std::vector<Eigen::Vector2d>& polyline_m,
   ImagePatch patch;
   for (auto& line : patch) line.fill(kKernelReach * kKernelReach);
   Eigen::Vector2f previous = toPatch(polyline_m.front());
+  Eigen::Vector2f drawn = previous;
   for (std::size_t i = 1; i < polyline_m.size(); ++i) {
     const Eigen::Vector2f current = toPatch(polyline_m[i]);
-    const bool adds_nothing = (current - previous).squaredNorm() < kSmallestEdge * kSmallestEdge;
-    if (adds_nothing && i + 1 < polyline_m.size()) continue;
+    if ((current - drawn).squaredNorm() < kSmallestEdge * kSmallestEdge) {
+      previous = current;
+      continue;
+    }
     const bool misses = (previous.x() < -margin && current.x() < -margin) ||
                         (previous.y() < -margin && current.y() < -margin) ||
                         (previous.x() > end && current.x() > end) ||
@@ -195,6 +199,7 @@ ImagePatch rasterise(const std::vector<Eigen::Vector2d>& polyline_m,
       if (edge.first_column <= edge.last_column) draw(edge, patch);
     }
     previous = current;
+    drawn = current;
   }
   toIntensities(patch);
   return patch;

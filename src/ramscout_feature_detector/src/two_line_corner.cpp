@@ -4,23 +4,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
+#include <limits>
 
 #include <Eigen/LU>
 
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr std::array kScreenScalesM = {0.1, 0.2, 0.4};
-constexpr double kScreenCornernessShare = 0.6;
-constexpr double kScreenSignificanceShare = 0.5;
-constexpr double kScreenSpacingScales = 0.25;
-/// Splits are searched from here on both sides of a bend, too: clutter has several near by.
-constexpr double kScreenOffsetM = 0.1;
+constexpr double kBendCornernessShare = 0.6;
+constexpr double kBendSignificanceShare = 0.5;
 constexpr std::size_t kSmallestLegPoints = 3;
 
 constexpr double kSplitWindowM = 0.2;
-constexpr int kMostRecentrings = 5;
+constexpr double kBendSpacingM = 0.1;
 constexpr std::array kLegLengthsM = {0.1, 0.2, 0.4, 0.8};
 constexpr double kContinuationSigmas = 4.0;
 /// Shorter lines than this many standard deviations of the range have no direction.
@@ -65,57 +61,59 @@ double significanceOf(const LineFit& a,
                    b.angleVariance(b.noiseVariance(expectedNoise(b, parameters))));
 }
 
-/// Significance of a bend with legs of `scale_m` at every point; 0 where the legs are too short,
-/// too straight or not significant.
-std::vector<double> screen(const Contour& contour,
-                           double scale_m,
-                           const FeatureDetectorParameters& parameters) {
-  std::vector<double> significance(contour.size(), 0.0);
-  // Cornerness is 1/2 (1 - |cos(angle)|).
-  const double cosine = 1.0 - 2.0 * kScreenCornernessShare * parameters.corner_threshold;
-  const double cos_twice = 2.0 * cosine * cosine - 1.0;
+/// Whether two lines bend enough for a corner, and significantly. Less is asked than of the corner:
+/// points counted to the wrong leg straighten it.
+bool isBend(const LineFit& a, const LineFit& b, const FeatureDetectorParameters& parameters) {
+  return cornernessOf(a, b) >= kBendCornernessShare * parameters.corner_threshold &&
+         significanceOf(a, b, parameters) > kBendSignificanceShare * parameters.significance_min;
+}
+
+/// A range of points, both included.
+struct Window {
+  std::size_t first, last;
+};
+
+/// The points from `first` to `last` around a point, at least those of two short legs that meet
+/// there.
+Window windowAround(const Contour& contour,
+                    std::size_t point,
+                    std::size_t first,
+                    std::size_t last) {
+  return {std::min(first, point - std::min(point, kSmallestLegPoints - 1)),
+          std::max(last, std::min(point + kSmallestLegPoints, contour.size() - 1))};
+}
+
+/// How much better two lines describe the surroundings than one does, at every point; 0 where there
+/// are too few points.
+std::vector<double> bendsOf(const Contour& contour) {
+  std::vector<double> bends_m2(contour.size(), 0.0);
   std::size_t first = 0;
   std::size_t last = 0;
-  for (std::size_t i = 0; i < contour.size(); ++i) {
-    while (contour.arc_m(first) < contour.arc_m(i) - scale_m) ++first;
-    while (last + 1 < contour.size() && contour.arc_m(last + 1) <= contour.arc_m(i) + scale_m) {
+  for (std::size_t i = kSmallestLegPoints - 1; i + kSmallestLegPoints < contour.size(); ++i) {
+    while (contour.arc_m(first) < contour.arc_m(i) - kSplitWindowM) ++first;
+    while (last + 1 < contour.size() && contour.arc_m(last) < contour.arc_m(i) + kSplitWindowM) {
       ++last;
     }
-    if (i + 1 < first + kSmallestLegPoints || last + 1 < i + kSmallestLegPoints) continue;
-    if (!contour.bendsAt(first, i, last, cos_twice)) continue;
-    significance[i] = significanceOf(contour.fit(first, i), contour.fit(i, last), parameters);
+    const Window window = windowAround(contour, i, first, last);
+    bends_m2[i] = contour.residual_m2(window.first, window.last) -
+                  contour.residual_m2(window.first, i) - contour.residual_m2(i + 1, window.last);
   }
-  return significance;
+  return bends_m2;
 }
 
-/// Adds the points whose value exceeds `least` and that of all points within half of `scale_m`.
-void addPeaks(const Contour& contour,
-              const std::vector<double>& values,
-              double least,
-              double scale_m,
-              std::set<std::size_t>& peaks) {
-  const double spacing_m = kScreenSpacingScales * scale_m;
-  for (std::size_t i = 0; i < contour.size(); ++i) {
-    if (values[i] <= least) continue;
-    bool is_peak = true;
-    for (std::size_t j = contour.indexAt(contour.arc_m(i) - spacing_m);
-         is_peak && j < contour.size() && contour.arc_m(j) <= contour.arc_m(i) + spacing_m; ++j) {
-      is_peak = j < i ? values[j] < values[i] : values[j] <= values[i];
-    }
-    if (!is_peak) continue;
-    for (const double offset_m : {-kScreenOffsetM, 0.0, kScreenOffsetM}) {
-      peaks.insert(contour.indexAt(contour.arc_m(i) + offset_m));
-    }
-  }
-}
-
-/// The split of the points first..last into two lines that leaves the least squared distance.
-std::size_t bestSplit(const Contour& contour, std::size_t first, std::size_t last) {
-  std::size_t best = first + kSmallestLegPoints - 1;
+/// The split near a bend that leaves the least squared distance from two lines.
+std::size_t bestSplit(const Contour& contour, std::size_t bend) {
+  const Window window =
+      windowAround(contour, bend, contour.indexAt(contour.arc_m(bend) - kSplitWindowM),
+                   contour.indexAt(contour.arc_m(bend) + kSplitWindowM));
+  std::size_t best = bend;
   double best_m2 = std::numeric_limits<double>::infinity();
-  for (std::size_t split = best; split + kSmallestLegPoints <= last; ++split) {
+  for (std::size_t split = contour.indexAt(contour.arc_m(bend) - 0.5 * kBendSpacingM);
+       split <= bend || contour.arc_m(split) < contour.arc_m(bend) + 0.5 * kBendSpacingM; ++split) {
+    if (split + 1 < window.first + kSmallestLegPoints) continue;
+    if (split + kSmallestLegPoints > window.last) break;
     const double residual_m2 =
-        contour.residual_m2(first, split) + contour.residual_m2(split + 1, last);
+        contour.residual_m2(window.first, split) + contour.residual_m2(split + 1, window.last);
     if (residual_m2 < best_m2) {
       best_m2 = residual_m2;
       best = split;
@@ -260,30 +258,41 @@ std::optional<TwoLineCorner> cross(const LineFit& before,
 
 }  // namespace
 
-std::vector<std::size_t> findCandidates(const Contour& contour,
-                                        const FeatureDetectorParameters& parameters) {
-  std::set<std::size_t> candidates;
-  for (const double scale_m : kScreenScalesM) {
-    if (scale_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
-    addPeaks(contour, screen(contour, scale_m, parameters),
-             kScreenSignificanceShare * parameters.significance_min, scale_m, candidates);
+std::vector<std::size_t> findSplits(const Contour& contour) {
+  const std::vector<double> bends_m2 = bendsOf(contour);
+  std::vector<std::size_t> splits;
+  for (std::size_t i = 1; i + 1 < contour.size(); ++i) {
+    if (!(bends_m2[i] > bends_m2[i - 1] && bends_m2[i] >= bends_m2[i + 1])) continue;
+    bool is_greatest = true;
+    for (std::size_t j = contour.indexAt(contour.arc_m(i) - kBendSpacingM);
+         is_greatest && j < contour.size() && contour.arc_m(j) <= contour.arc_m(i) + kBendSpacingM;
+         ++j) {
+      is_greatest = j < i ? bends_m2[j] < bends_m2[i] : bends_m2[j] <= bends_m2[i];
+    }
+    if (!is_greatest) continue;
+    const std::size_t split = bestSplit(contour, i);
+    if (splits.empty() || split > splits.back()) splits.push_back(split);
   }
-  return {candidates.begin(), candidates.end()};
+  return splits;
 }
 
-std::optional<std::size_t> findSplit(const Contour& contour, std::size_t near_index) {
-  std::size_t split = near_index;
-  for (int i = 0; i < kMostRecentrings; ++i) {
-    const std::size_t first = std::min(contour.indexAt(contour.arc_m(split) - kSplitWindowM),
-                                       split - std::min(split, kSmallestLegPoints - 1));
-    const std::size_t last = std::max(contour.indexAt(contour.arc_m(split) + kSplitWindowM),
-                                      std::min(split + kSmallestLegPoints, contour.size() - 1));
-    if (last + 1 < first + 2 * kSmallestLegPoints) return std::nullopt;
-    const std::size_t better = bestSplit(contour, first, last);
-    if (better == split) break;
-    split = better;
+bool isPromising(const Contour& contour,
+                 std::size_t split,
+                 const FeatureDetectorParameters& parameters) {
+  std::vector<LineFit> lines_after;
+  for (const double length_m : kLegLengthsM) {
+    if (length_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
+    if (const auto leg = legOf(contour, split, false, length_m)) lines_after.push_back(leg->line);
   }
-  return split;
+  for (const double length_m : kLegLengthsM) {
+    if (length_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
+    const auto before = legOf(contour, split, true, length_m);
+    if (!before) continue;
+    for (const LineFit& after : lines_after) {
+      if (isBend(before->line, after, parameters)) return true;
+    }
+  }
+  return false;
 }
 
 std::optional<TwoLineCorner> fitCorner(const Contour& contour,
@@ -292,6 +301,7 @@ std::optional<TwoLineCorner> fitCorner(const Contour& contour,
   const auto before = longestLeg(contour, split, true, parameters);
   const auto after = longestLeg(contour, split, false, parameters);
   if (!before || !after) return std::nullopt;
+  if (!isBend(before->line, after->line, parameters)) return std::nullopt;
   const auto rough = cross(before->line, after->line, parameters);
   if (!rough || !reaches(contour, *before, true, rough->position_m, parameters) ||
       !reaches(contour, *after, false, rough->position_m, parameters)) {

@@ -11,9 +11,9 @@
 
 namespace ramscout_feature_detector {
 
-/// The image function evaluated everywhere, plainly and slowly: what the detector's patches must
-/// agree with. Shares with it only what comes before the image (contours and their prolongation)
-/// and after it (selection).
+/// The image function evaluated everywhere, plainly and slowly, and lines fitted at every bend of
+/// every contour: what the detector's screening and patches must agree with. Shares with it only
+/// how contours are made, prolonged and split, how lines are fitted, and how corners are selected.
 class DenseReference {
 public:
   explicit DenseReference(const FeatureDetectorParameters& parameters) : parameters_(parameters) {}
@@ -21,12 +21,18 @@ public:
   std::vector<Corner> corners(const ram_slam::LaserScan& scan) const {
     std::vector<Corner> all;
     for (const Contour& contour : splitIntoContours(scan, parameters_)) {
-      std::vector<ResponsePeak> peaks;
+      std::vector<std::vector<ResponsePeak>> peaks(parameters_.scale_levels);
       for (int level = 0; level < parameters_.scale_levels; ++level)
-        addPeaks(contour, level, peaks);
-      CornerCollection collection(contour, parameters_);
-      for (const ResponsePeak& peak : peaks) collection.add(peak);
-      const auto selected = collection.select();
+        addPeaks(contour, level, peaks[level]);
+      std::vector<Corner> corners;
+      for (const std::size_t split : findSplits(contour)) {
+        const auto lines = fitCorner(contour, split, parameters_);
+        if (!lines || !isAdmissible(*lines, contour, parameters_)) continue;
+        const auto corner = confirm(
+            *lines, [&](int level) { return peaks[level]; }, parameters_);
+        if (corner) corners.push_back(*corner);
+      }
+      const auto selected = select(std::move(corners), parameters_);
       all.insert(all.end(), selected.begin(), selected.end());
     }
     return suppressNeighbours(std::move(all), parameters_.feature_distance);
@@ -186,11 +192,12 @@ private:
         }
         ResponsePeak peak;
         peak.level = level;
+        peak.column = image.first_column + c;
+        peak.row = image.first_row + r;
         peak.min_eigenvalue = response.at(r, c);
         peak.cornerness = response.at(r, c) / (txx.at(r, c) + tyy.at(r, c));
-        peak.point_m = (Eigen::Vector2d(image.first_column + c + 0.5, image.first_row + r + 0.5) +
-                        normal.inverse() * right) /
-                       ppm;
+        peak.point_m =
+            (Eigen::Vector2d(peak.column + 0.5, peak.row + 0.5) + normal.inverse() * right) / ppm;
         peaks.push_back(peak);
       }
     }

@@ -41,7 +41,7 @@ TEST_P(Openings, CornernessIsThatOfTwoHalfLines) {
   const Corner& corner = analysis.corners.front();
   const double expected = 0.5 * (1.0 - std::abs(std::cos(opening_rad)));
   EXPECT_NEAR(corner.lines.cornerness, expected, 0.01);
-  EXPECT_NEAR(corner.cornerness, expected, 0.2 * expected);
+  EXPECT_NEAR(corner.peak.cornerness, expected, 0.2 * expected);
   EXPECT_NEAR((corner.lines.position_m - Eigen::Vector2d(3.0, 0.0)).norm(), 0.0, 1e-3);
   EXPECT_NEAR(std::abs(ram_slam::wrapAngle(corner.lines.orientation_rad)), M_PI, 1e-2);
 }

@@ -19,9 +19,15 @@ using ResponsePatch = Grid<kResponsePixels, kResponsePixels>;
 /// Smaller eigenvalues of the structure tensor for the middle of a square of the image.
 ResponsePatch cornerResponses(const ImagePatch& image);
 
+/// Maxima that belong to a place lie this near [pixels of the level, along each axis].
+inline constexpr int kPeakSearchPixels = 8;
+
 /// A local maximum of the corner response on one level of the pyramid.
 struct ResponsePeak {
   int level = 0;
+  /// Pixel of the maximum on that level.
+  int column = 0;
+  int row = 0;
   /// Of the structure tensor; intensities in [0, 1], pixels of this level.
   double min_eigenvalue = 0.0;
   /// min_eigenvalue / trace, in [0, 1/2]: independent of scale and contrast.
@@ -38,7 +44,7 @@ struct ResponsePeak {
 /// image, wherever `near_m` lies.
 ///
 /// \param polyline_m  the prolonged contour, in the laser's frame
-/// \return the local maxima within 8 pixels of `near_m` (Chebyshev distance)
+/// \return the local maxima within kPeakSearchPixels of `near_m`
 std::vector<ResponsePeak> findResponsePeaks(const std::vector<Eigen::Vector2d>& polyline_m,
                                             const Eigen::Vector2d& near_m,
                                             int level,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
-#include <map>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -16,9 +15,7 @@ namespace ramscout_feature_detector {
 /// A corner that the image function and the fitted lines agree on, in the laser's frame.
 struct Corner {
   TwoLineCorner lines;
-  int level = 0;            ///< the finest on which it is one: the corner's scale
-  double response = 0.0;    ///< smaller eigenvalue on that level
-  double cornerness = 0.0;  ///< of the image on that level
+  ResponsePeak peak;  ///< on the finest level on which it is one: the corner's scale
 };
 
 /// Whether a corner of two lines lies on seen surface, away from the contour's ends (S088), is
@@ -27,45 +24,22 @@ bool isAdmissible(const TwoLineCorner& corner,
                   const Contour& contour,
                   const FeatureDetectorParameters& parameters);
 
-/// Collects the corners of one contour that response peaks stand for.
+/// Whether the image agrees that two lines make a corner: there is a peak of at least
+/// corner_threshold where they cross on two consecutive levels, or on one if their significance is
+/// at least 25 (or there is one level only). Says so for every crossing on its own, whatever else
+/// is in the image.
 ///
-/// Peaks on prolonged ends and inadmissible ones are left out first: a maximum that does not count
-/// must not decide what the best is. Peaks of several levels that stand for the same corner are
-/// merged: it needs a cornerness of corner_threshold on two consecutive levels, or on one if its
-/// significance is at least 25 (or there is one level only).
-class CornerCollection {
-public:
-  /// Keeps references to both.
-  CornerCollection(const Contour& contour, const FeatureDetectorParameters& parameters)
-      : contour_(contour), parameters_(parameters) {}
+/// \param peaks_on  the peaks around the crossing on a level; called from the finest level on until
+///        the matter is settled
+std::optional<Corner> confirm(const TwoLineCorner& lines,
+                              const std::function<std::vector<ResponsePeak>(int level)>& peaks_on,
+                              const FeatureDetectorParameters& parameters);
 
-  /// The admissible corner of two lines next to a point of the contour, nothing if there is none.
-  const std::optional<TwoLineCorner>& linesAt(std::size_t near_index);
-
-  void add(const ResponsePeak& peak);
-
-  /// Whether peaks on coarser levels than those added would change nothing about the corner of
-  /// these lines.
-  bool isSettled(const TwoLineCorner& lines) const;
-
-  /// The strongest max_features corners, none closer than feature_distance to a stronger one.
-  /// relative_threshold: of those with feature_threshold times the contour's best response, as in
-  /// the report.
-  std::vector<Corner> select() const;
-
-private:
-  /// A corner and the levels that speak for it, one bit each.
-  struct Candidate {
-    Corner corner;
-    std::uint32_t levels = 0;
-  };
-  bool isAccepted(const Candidate& candidate) const;
-
-  const Contour& contour_;
-  const FeatureDetectorParameters& parameters_;
-  std::map<std::size_t, std::optional<TwoLineCorner>> lines_;  ///< by split
-  std::vector<Candidate> candidates_;
-};
+/// Of the corners of one contour the strongest max_features, none closer than feature_distance to a
+/// stronger one; of those that share a peak the most significant one. relative_threshold: of those
+/// with feature_threshold times the best response, as in the report.
+std::vector<Corner> select(std::vector<Corner> corners,
+                           const FeatureDetectorParameters& parameters);
 
 /// Of corners closer than `distance_m` the one with the highest response; strongest first.
 std::vector<Corner> suppressNeighbours(std::vector<Corner> corners, double distance_m);
