@@ -23,8 +23,8 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr double kLogPeriodS = 5.0;
-constexpr std::size_t kMostQueued = 50;
-constexpr std::size_t kMostScans = 50;
+constexpr std::size_t kMostQueued = 500;
+constexpr std::size_t kMostScans = 500;
 constexpr std::int64_t kClockSetBackNs = 1'000'000'000;
 /// How long a list waits for the odometry that it needs, in wall time; shorter while odometry is
 /// known to be missing.

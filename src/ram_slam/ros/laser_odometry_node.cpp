@@ -16,6 +16,7 @@ constexpr double kWarnPeriodS = 5.0;
 LaserOdometryNode::LaserOdometryNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readLaserOdometryParameters(reader)),
       odometry_(parameters_),
+      stamp_offset_(parameters_.max_stamp_offset_s),
       queue_(parameters_.base_frame, parameters_.use_wheels) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   publisher_ = node_.advertise<nav_msgs::Odometry>("laser_odom", kQueueSize);
@@ -41,6 +42,7 @@ void LaserOdometryNode::onScan(const sensor_msgs::LaserScan& message) {
 void LaserOdometryNode::onOdometry(const nav_msgs::Odometry& message) {
   try {
     queue_.addOdometry(message);
+    stamp_offset_.addWheels({toNanoseconds(message.header.stamp), toPose2(message.pose.pose)});
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected odometry: " << error.what());
   }
@@ -55,8 +57,13 @@ void LaserOdometryNode::processWaiting() {
       if (next->scan.stamp_ns + 1000000000 < last_stamp_ns_) {
         ROS_WARN("time jumped back: laser odometry starts anew");
         odometry_ = ram_slam::LaserOdometry(parameters_);
+        stamp_offset_ = ram_slam::StampOffset(parameters_.max_stamp_offset_s);
       }
-      publish(odometry_.update(next->scan, next->base_from_laser, next->odom_from_base));
+      const ram_slam::LaserOdometryEstimate estimate =
+          odometry_.update(next->scan, next->base_from_laser, next->odom_from_base);
+      stamp_offset_.addScan({estimate.stamp_ns, estimate.odom_from_base.pose});
+      queue_.setStampOffset(stamp_offset_.offset_ns());
+      publish(estimate);
       last_stamp_ns_ = next->scan.stamp_ns;
     } catch (const std::exception& error) {
       ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "skipped a scan: " << error.what());

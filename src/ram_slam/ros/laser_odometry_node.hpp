@@ -6,6 +6,7 @@
 #include <sensor_msgs/LaserScan.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/calibration/stamp_offset.hpp"
 #include "ram_slam/scan_matching/laser_odometry.hpp"
 
 #include "scan_odometry_queue.hpp"
@@ -27,6 +28,7 @@ private:
 
   ram_slam::LaserOdometryParameters parameters_;
   ram_slam::LaserOdometry odometry_;
+  ram_slam::StampOffset stamp_offset_;
   ScanOdometryQueue queue_;
   std::int64_t last_stamp_ns_ = 0;
   ros::NodeHandle node_;

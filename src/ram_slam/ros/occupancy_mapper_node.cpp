@@ -15,7 +15,7 @@
 namespace ram_slam_ros {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 200;
+constexpr std::size_t kMaxWaiting = 1000;
 constexpr std::int64_t kTimeJumpNs = 1000000000;
 constexpr double kWaitingPollS = 0.02;
 constexpr double kSilenceReportS = 5.0;
@@ -75,7 +75,7 @@ void OccupancyMapperNode::onScan(const ScanPtr& message) {
       startAnew();
     }
     newest_scan_ns_ = std::max(newest_scan_ns_, stamp_ns);
-    waiting_.push_back(message);
+    waiting_.push_back({message, ros::SteadyTime::now()});
   }
   mapWaiting();
 }
@@ -83,14 +83,13 @@ void OccupancyMapperNode::onScan(const ScanPtr& message) {
 void OccupancyMapperNode::mapWaiting() {
   const std::lock_guard lock(map_mutex_);
   while (!waiting_.empty()) {
-    const sensor_msgs::LaserScan& message = *waiting_.front();
+    const sensor_msgs::LaserScan& message = *waiting_.front().scan;
     std::string reason;
     if (transforms_.canTransform(parameters_.map_frame, message.header.frame_id,
                                  message.header.stamp, ros::Duration(0.0), &reason)) {
       map(message);
     } else {
-      const double waited_s =
-          static_cast<double>(newest_scan_ns_ - toNanoseconds(message.header.stamp)) * 1e-9;
+      const double waited_s = (ros::SteadyTime::now() - waiting_.front().since).toSec();
       last_problem_ = reason;
       if (waited_s <= parameters_.transform_timeout_s && waiting_.size() <= kMaxWaiting) return;
       ROS_WARN_STREAM_THROTTLE(

@@ -60,13 +60,20 @@ private:
   ram_slam::OccupancyMapperParameters parameters_;
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
-  tf2_ros::Buffer transforms_;
+  /// A scan whose pose is not known yet.
+  struct Waiting {
+    ScanPtr scan;
+    ros::SteadyTime since;
+  };
+
+  // Longer than tf's usual: a recording may be played many times faster than real time.
+  tf2_ros::Buffer transforms_{ros::Duration(60.0)};
   tf2_ros::TransformListener transform_listener_{transforms_};
 
   std::mutex map_mutex_;  ///< of the members up to the next blank line
   ram_slam::KeyScanMap map_;
   int map_generation_ = 0;  ///< how often it started anew
-  std::deque<ScanPtr> waiting_;
+  std::deque<Waiting> waiting_;
   std::int64_t newest_scan_ns_ = 0;
   std::atomic<std::int64_t> newest_mapped_ns_ = 0;
   int received_count_ = 0;  ///< since the last report of silence

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_odometry_queue.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/mounting.hpp"
+#include "ram_slam/trajectory.hpp"
 
 namespace ram_slam_ros {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 200;
+constexpr std::size_t kMaxWaiting = 1000;
 constexpr std::size_t kMaxOdometry = 2000;
-constexpr std::int64_t kMaxWaitNs = 1000000000;
+constexpr double kMaxWaitS = 1.0;
+constexpr std::int64_t kTimeJumpNs = 1000000000;
 constexpr double kWarnPeriodS = 5.0;
 
 }  // namespace
@@ -22,7 +23,7 @@ ScanOdometryQueue::ScanOdometryQueue(std::string base_frame, bool needs_odometry
     : base_frame_(std::move(base_frame)), needs_odometry_(needs_odometry) {}
 
 void ScanOdometryQueue::addScan(const sensor_msgs::LaserScan& message) {
-  scans_.push_back({toLaserScan(message), message.header.frame_id});
+  scans_.push_back({toLaserScan(message), message.header.frame_id, ros::SteadyTime::now()});
   if (scans_.size() > kMaxWaiting) scans_.pop_front();
 }
 
@@ -30,7 +31,7 @@ void ScanOdometryQueue::addOdometry(const nav_msgs::Odometry& message) {
   const std::int64_t stamp_ns = toNanoseconds(message.header.stamp);
   const ram_slam::Pose2 odom_from_base = toPose2(message.pose.pose);
   if (!odometry_.empty() && stamp_ns <= odometry_.back().stamp_ns) {
-    if (odometry_.back().stamp_ns - stamp_ns < kMaxWaitNs) {
+    if (odometry_.back().stamp_ns - stamp_ns < kTimeJumpNs) {
       throw std::invalid_argument("odometry not later than the last");
     }
     odometry_.clear();  // the clock was set back
@@ -44,10 +45,10 @@ std::optional<ScanWithOdometry> ScanOdometryQueue::next() {
   while (!scans_.empty()) {
     std::optional<ScanWithOdometry> ready = complete(scans_.front());
     const std::int64_t stamp_ns = scans_.front().scan.stamp_ns;
-    const bool waited_long = scans_.back().scan.stamp_ns - stamp_ns > kMaxWaitNs;
+    const bool waited_long = (ros::SteadyTime::now() - scans_.front().since).toSec() > kMaxWaitS;
     // Odometry comes in order: what is before its beginning never gets any.
-    const bool hopeless =
-        needs_odometry_ && !odometry_.empty() && stamp_ns < odometry_.front().stamp_ns;
+    const bool hopeless = needs_odometry_ && !odometry_.empty() &&
+                          stamp_ns + stamp_offset_ns_ < odometry_.front().stamp_ns;
     if (!ready && !waited_long && !hopeless) return std::nullopt;
     scans_.pop_front();
     if (ready) return ready;
@@ -62,7 +63,8 @@ std::optional<ScanWithOdometry> ScanOdometryQueue::complete(const Waiting& waiti
   if (!transforms_.canTransform(base_frame_, waiting.frame, stamp)) return std::nullopt;
   ScanWithOdometry complete;
   if (needs_odometry_) {
-    complete.odom_from_base = odometryAt(waiting.scan.stamp_ns);
+    complete.odom_from_base =
+        ram_slam::odometryAt(odometry_, waiting.scan.stamp_ns + stamp_offset_ns_);
     if (!complete.odom_from_base) return std::nullopt;
   }
   const Mounting mounting =
@@ -70,19 +72,6 @@ std::optional<ScanWithOdometry> ScanOdometryQueue::complete(const Waiting& waiti
   complete.scan = mounting.upside_down ? ram_slam::mirrored(waiting.scan) : waiting.scan;
   complete.base_from_laser = mounting.base_from_sensor;
   return complete;
-}
-
-std::optional<ram_slam::Pose2> ScanOdometryQueue::odometryAt(std::int64_t stamp_ns) const {
-  const auto after = std::lower_bound(
-      odometry_.begin(), odometry_.end(), stamp_ns,
-      [](const auto& sample, std::int64_t stamp) { return sample.stamp_ns < stamp; });
-  if (after == odometry_.end()) return std::nullopt;
-  if (after->stamp_ns == stamp_ns) return after->pose;
-  if (after == odometry_.begin()) return std::nullopt;
-  const auto before = std::prev(after);
-  const auto since = static_cast<double>(stamp_ns - before->stamp_ns);
-  return ram_slam::interpolate(before->pose, after->pose,
-                               since / static_cast<double>(after->stamp_ns - before->stamp_ns));
 }
 
 }  // namespace ram_slam_ros

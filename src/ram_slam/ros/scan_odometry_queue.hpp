@@ -34,25 +34,30 @@ public:
   void addScan(const sensor_msgs::LaserScan& message);
   void addOdometry(const nav_msgs::Odometry& message);
 
+  /// From now on the odometry is taken so much later than the scan's stamp.
+  void setStampOffset(std::int64_t offset_ns) { stamp_offset_ns_ = offset_ns; }
+
   /// The next scan whose odometry and mount are known; none if there is none yet. Scans from
-  /// before the first odometry, and those that waited for longer than a second of stamps, are
-  /// dropped with a warning.
+  /// before the first odometry, and those that waited for longer than a second, are dropped with
+  /// a warning.
   std::optional<ScanWithOdometry> next();
 
 private:
   struct Waiting {
     ram_slam::LaserScan scan;
     std::string frame;
+    ros::SteadyTime since;
   };
 
-  std::optional<ram_slam::Pose2> odometryAt(std::int64_t stamp_ns) const;
   std::optional<ScanWithOdometry> complete(const Waiting& waiting) const;
 
   std::string base_frame_;
   bool needs_odometry_;
+  std::int64_t stamp_offset_ns_ = 0;
   std::deque<Waiting> scans_;
   std::deque<ram_slam::StampedPose2> odometry_;
-  tf2_ros::Buffer transforms_;
+  // Longer than tf's usual: a recording may be played many times faster than real time.
+  tf2_ros::Buffer transforms_{ros::Duration(60.0)};
   tf2_ros::TransformListener listener_{transforms_};
 };
 

@@ -2,10 +2,46 @@
 #include "ram_slam/trajectory.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace ram_slam {
+namespace {
+
+constexpr double kMostSpeed_m_per_s = 5.0;
+constexpr double kMostTurnSpeed_rad_per_s = 5.0;
+
+bool isJump(const StampedPose2& before, const StampedPose2& after) {
+  const double interval_s = 1e-9 * static_cast<double>(after.stamp_ns - before.stamp_ns);
+  const Pose2 motion = before.pose.inverse() * after.pose;
+  return motion.translation().norm() > kMostSpeed_m_per_s * interval_s ||
+         std::abs(motion.yaw_rad) > kMostTurnSpeed_rad_per_s * interval_s;
+}
+
+/// The readings around a stamp; the same one twice at its own stamp.
+template <typename Poses>
+std::optional<std::pair<StampedPose2, StampedPose2>> posesAround(const Poses& poses,
+                                                                 std::int64_t stamp_ns) {
+  const auto after = std::lower_bound(
+      poses.begin(), poses.end(), stamp_ns,
+      [](const StampedPose2& pose, std::int64_t stamp) { return pose.stamp_ns < stamp; });
+  if (after == poses.end()) return std::nullopt;
+  if (after->stamp_ns == stamp_ns) return std::pair(*after, *after);
+  if (after == poses.begin()) return std::nullopt;
+  return std::pair(*std::prev(after), *after);
+}
+
+Pose2 poseBetween(const StampedPose2& before, const StampedPose2& after, std::int64_t stamp_ns) {
+  if (before.stamp_ns == after.stamp_ns) return before.pose;
+  return interpolate(before.pose, after.pose,
+                     static_cast<double>(stamp_ns - before.stamp_ns) /
+                         static_cast<double>(after.stamp_ns - before.stamp_ns));
+}
+
+}  // namespace
 
 void validate(const Trajectory& trajectory) {
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
@@ -19,16 +55,19 @@ void validate(const Trajectory& trajectory) {
 }
 
 std::optional<Pose2> poseAt(const Trajectory& trajectory, std::int64_t stamp_ns) {
-  const auto after = std::lower_bound(
-      trajectory.begin(), trajectory.end(), stamp_ns,
-      [](const StampedPose2& pose, std::int64_t stamp) { return pose.stamp_ns < stamp; });
-  if (after == trajectory.end()) return std::nullopt;
-  if (after->stamp_ns == stamp_ns) return after->pose;
-  if (after == trajectory.begin()) return std::nullopt;
-  const StampedPose2& before = *(after - 1);
-  const double fraction = static_cast<double>(stamp_ns - before.stamp_ns) /
-                          static_cast<double>(after->stamp_ns - before.stamp_ns);
-  return interpolate(before.pose, after->pose, fraction);
+  const auto around = posesAround(trajectory, stamp_ns);
+  if (!around) return std::nullopt;
+  return poseBetween(around->first, around->second, stamp_ns);
+}
+
+std::optional<Pose2> odometryAt(const std::deque<StampedPose2>& readings, std::int64_t stamp_ns) {
+  const auto around = posesAround(readings, stamp_ns);
+  if (!around) return std::nullopt;
+  const auto& [before, after] = *around;
+  if (isJump(before, after)) {
+    return stamp_ns - before.stamp_ns <= after.stamp_ns - stamp_ns ? before.pose : after.pose;
+  }
+  return poseBetween(before, after, stamp_ns);
 }
 
 }  // namespace ram_slam

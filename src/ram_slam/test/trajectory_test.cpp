@@ -33,5 +33,17 @@ TEST(Trajectory, IsRefusedIfStampsDoNotRiseOrPosesAreNotFinite) {
   EXPECT_THROW(validate({{1, {0.0, std::nan(""), 0.0}}}), std::invalid_argument);
 }
 
+TEST(OdometryAt, IsBetweenReadingsButNotWithinAJump) {
+  const std::deque<StampedPose2> readings{{1'000'000'000, {0.0, 0.0, 0.0}},
+                                          {2'000'000'000, {1.0, 0.0, 0.0}},
+                                          {2'100'000'000, {5.0, 3.0, 1.0}}};
+  EXPECT_NEAR(odometryAt(readings, 1'250'000'000)->x_m, 0.25, 1e-12);
+  EXPECT_EQ(odometryAt(readings, 2'000'000'000)->x_m, 1.0);
+  EXPECT_EQ(odometryAt(readings, 2'040'000'000)->x_m, 1.0);
+  EXPECT_EQ(odometryAt(readings, 2'060'000'000)->x_m, 5.0);
+  EXPECT_FALSE(odometryAt(readings, 999'999'999));
+  EXPECT_FALSE(odometryAt(readings, 2'100'000'001));
+}
+
 }  // namespace
 }  // namespace ram_slam

@@ -44,6 +44,7 @@ void ResultsRecorderParameters::validate() const {
 ResultsRecorderParameters readResultsRecorderParameters(ram_parameters::ParameterReader& reader) {
   ResultsRecorderParameters parameters;
   reader.read("output", parameters.output);
+  reader.read("has_ground_truth", parameters.has_ground_truth);
   reader.read("max_position_error_m", parameters.max_position_error_m);
   reader.read("max_yaw_error_rad", parameters.max_yaw_error_rad);
   reader.read("start_timeout_s", parameters.start_timeout_s);
@@ -82,9 +83,27 @@ ResultsRecorder::ResultsRecorder(ResultsRecorderParameters parameters)
 
 bool ResultsRecorder::run() {
   started_ = ros::WallTime::now();
-  waitForTour();
+  if (parameters_.has_ground_truth) {
+    waitForTour();
+  } else {
+    waitForSilence();
+  }
   waitForLastMessages();
   ramscout_bringup::Results run = results();
+  const bool good = !parameters_.has_ground_truth || judge(run);
+  run.summary.update(
+      {{"distance_m", ramscout_bringup::pathLength(run.trajectory)},
+       {"poses", run.trajectory.size()},
+       {"landmarks", run.landmarks.size()},
+       {"recorded_s",
+        static_cast<double>(online_.back().stamp_ns - online_.front().stamp_ns) * 1e-9},
+       {"elapsed_s", (ros::WallTime::now() - started_).toSec()}});
+  ramscout_bringup::writeResults(run, parameters_.output);
+  std::cout << "\n" << run.summary.dump(2) << "\n";
+  return good;
+}
+
+bool ResultsRecorder::judge(ramscout_bringup::Results& run) const {
   const auto error = ramscout_bringup::compareWithTruth(run.trajectory, run.ground_truth);
   const auto online = ramscout_bringup::compareWithTruth(run.trajectory_online, run.ground_truth);
   const bool good = error.position_m.rms <= parameters_.max_position_error_m &&
@@ -93,15 +112,7 @@ bool ResultsRecorder::run() {
                  {"position_error_rms_m", error.position_m.rms},
                  {"yaw_error_rms_rad", error.yaw_rad.rms},
                  {"online_position_error_rms_m", online.position_m.rms},
-                 {"online_yaw_error_rms_rad", online.yaw_rad.rms},
-                 {"distance_m", ramscout_bringup::pathLength(run.ground_truth)},
-                 {"poses", run.trajectory.size()},
-                 {"landmarks", run.landmarks.size()},
-                 {"simulated_s",
-                  static_cast<double>(online_.back().stamp_ns - online_.front().stamp_ns) * 1e-9},
-                 {"elapsed_s", (ros::WallTime::now() - started_).toSec()}};
-  ramscout_bringup::writeResults(run, parameters_.output);
-  std::cout << "\n" << run.summary.dump(2) << "\n";
+                 {"online_yaw_error_rms_rad", online.yaw_rad.rms}};
   return good;
 }
 
@@ -119,6 +130,21 @@ void ResultsRecorder::waitForTour() {
     }
     if (!ros::ok() || (ros::WallTime::now() - last_news).toSec() > allowed_s) {
       throw std::runtime_error("the tour does not go on; never heard: " + silentTopics());
+    }
+    ros::WallDuration(kPollPeriodS).sleep();
+  }
+}
+
+void ResultsRecorder::waitForSilence() {
+  ros::WallTime last_news = ros::WallTime::now();
+  double allowed_s = parameters_.start_timeout_s;
+  std::size_t heard = 0;
+  while ((ros::WallTime::now() - last_news).toSec() <= allowed_s && ros::ok()) {
+    ros::spinOnce();
+    if (online_.size() > heard) {
+      heard = online_.size();
+      last_news = ros::WallTime::now();
+      allowed_s = parameters_.silence_timeout_s;
     }
     ros::WallDuration(kPollPeriodS).sleep();
   }
@@ -148,8 +174,10 @@ std::string ResultsRecorder::silentTopics() const {
   const auto report = [&](bool heard, const char* topic) {
     if (!heard) silent += (silent.empty() ? "" : ", ") + node_.resolveName(topic);
   };
-  report(progress_ > 0.0, "tour_progress");
-  report(!ground_truth_.empty(), "ground_truth");
+  if (parameters_.has_ground_truth) {
+    report(progress_ > 0.0, "tour_progress");
+    report(!ground_truth_.empty(), "ground_truth");
+  }
   report(!online_.empty(), "pose");
   report(path_.has_value(), "trajectory");
   report(landmarks_.has_value(), "landmarks");

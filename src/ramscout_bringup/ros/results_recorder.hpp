@@ -21,11 +21,15 @@ namespace ramscout_bringup_ros {
 /// What the recorder must find to call a run good.
 struct ResultsRecorderParameters {
   std::string output;  ///< folder to write to; must exist
+  /// Whether a simulator tells the truth and how much of its tour is done. If not, the run is over
+  /// when no pose comes any more for silence_timeout_s, and its errors are not known.
+  bool has_ground_truth = true;
   double max_position_error_m =
       0.15;  ///< bound of the root mean square after alignment with the truth
   double max_yaw_error_rad = 0.0262;  ///< likewise (1.5 degrees)
   double start_timeout_s = 60.0;      ///< wall time to wait for the first pose
-  double silence_timeout_s = 60.0;    ///< wall time without progress after which the run has failed
+  /// Wall time without progress after which the run has failed; without a truth: is over.
+  double silence_timeout_s = 60.0;
   double settle_time_s =
       10.0;  ///< wall time to wait for the last map and trajectory after the tour
 
@@ -34,20 +38,23 @@ struct ResultsRecorderParameters {
 };
 ResultsRecorderParameters readResultsRecorderParameters(ram_parameters::ParameterReader& reader);
 
-/// Listens to a run of the whole stack until the tour is over, then writes the result files and a
-/// verdict.
+/// Listens to a run of the whole stack until the tour or the recording is over, then writes the
+/// result files and, if the truth is known, a verdict.
 class ResultsRecorder {
 public:
   explicit ResultsRecorder(ResultsRecorderParameters parameters);
 
   /// Blocks until the tour is over and everything is written; shows progress on standard output.
-  /// \return whether the estimate is within the bounds
+  /// \return whether the estimate is within the bounds; true if there is no truth
   /// \throws std::runtime_error if nothing is heard for too long, naming the topics that were
   /// silent
   bool run();
 
 private:
   void waitForTour();
+  void waitForSilence();
+  /// Compares with the truth: adds to the summary. \return whether the bounds are kept
+  bool judge(ramscout_bringup::Results& run) const;
   void waitForLastMessages();
   std::string silentTopics() const;
   ramscout_bringup::Results results() const;

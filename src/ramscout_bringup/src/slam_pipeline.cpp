@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "ram_slam/calibration/mount_calibration.hpp"
 #include "ram_slam/trajectory.hpp"
 #include "ramscout_bringup/evaluation.hpp"
 #include "ramscout_feature_detector/corner_matcher.hpp"
@@ -24,6 +24,7 @@ constexpr std::size_t kKeptReadings = 1000;  // of the wheels: some seconds
 constexpr double kTeachingDistanceM = 0.03;
 constexpr double kTeachingAngleRad = 0.03;
 constexpr std::int64_t kTeachingPeriodNs = 10'000'000'000;
+constexpr std::int64_t kCalibrationStepNs = 20'000'000;
 constexpr std::size_t kMaxWaitingScans = 100;  // for odometry that may never come
 
 template <typename Read>
@@ -66,6 +67,7 @@ SlamParameters readSlamParameters(const std::string& folder) {
 SlamPipeline::SlamPipeline(const SlamParameters& parameters)
     : parameters_(parameters),
       laser_odometry_(parameters.laser_odometry),
+      stamp_offset_(parameters.laser_odometry.max_stamp_offset_s),
       feature_detector_(parameters.feature_detector),
       kinematics_(parameters.kinematics),
       motion_(kinematics_),
@@ -80,17 +82,22 @@ void SlamPipeline::add(const OdometryReading& reading) {
     leaveOut("odometry with the stamp of another");
     return;
   }
-  wheels_.push_back(reading);
+  wheels_.push_back({reading.stamp_ns, reading.odom_from_base});
+  if (all_wheels_.empty() || reading.stamp_ns - all_wheels_.back().stamp_ns >= kCalibrationStepNs)
+    all_wheels_.push_back({reading.stamp_ns, reading.odom_from_base});
   while (wheels_.size() > kKeptReadings) wheels_.pop_front();
   if (!parameters_.use_laser_odometry) feedKinematics(reading.stamp_ns, reading.odom_from_base);
-  while (!waiting_.empty() && waiting_.front().stampNs() <= reading.stamp_ns) {
+  stamp_offset_.addWheels({reading.stamp_ns, reading.odom_from_base});
+  while (!waiting_.empty() &&
+         waiting_.front().stampNs() + stamp_offset_.offset_ns() <= reading.stamp_ns) {
     process(waiting_.front());
     waiting_.pop_front();
   }
 }
 
 void SlamPipeline::add(ScanReading reading) {
-  const bool reached = !wheels_.empty() && reading.stampNs() <= wheels_.back().stamp_ns;
+  const bool reached =
+      !wheels_.empty() && reading.stampNs() + stamp_offset_.offset_ns() <= wheels_.back().stamp_ns;
   waiting_.push_back(std::move(reading));
   if (!reached && waiting_.size() <= kMaxWaitingScans) return;
   process(waiting_.front());
@@ -158,7 +165,9 @@ void SlamPipeline::updateFilter(const ScanReading& reading) {
 
 void SlamPipeline::refineOdometry(const ScanReading& reading) {
   const ram_slam::LaserOdometryEstimate estimate =
-      laser_odometry_.update(reading.scan, reading.base_from_laser, wheelsAt(reading.stampNs()));
+      laser_odometry_.update(reading.scan, reading.base_from_laser,
+                             wheelsAt(reading.stampNs() + stamp_offset_.offset_ns()));
+  stamp_offset_.addScan({reading.stampNs(), estimate.odom_from_base.pose});
   slip_count_ += estimate.wheels_slipped ? 1 : 0;
   feedKinematics(reading.stampNs(), estimate.odom_from_base.pose);
   if (smooths()) {
@@ -167,17 +176,9 @@ void SlamPipeline::refineOdometry(const ScanReading& reading) {
 }
 
 std::optional<Pose2> SlamPipeline::wheelsAt(std::int64_t stamp_ns) const {
-  const auto after =
-      std::find_if(wheels_.begin(), wheels_.end(),
-                   [&](const OdometryReading& reading) { return reading.stamp_ns >= stamp_ns; });
-  if (wheels_.empty() || (after == wheels_.begin() && after->stamp_ns != stamp_ns))
-    return std::nullopt;
-  if (after == wheels_.end()) return wheels_.back().odom_from_base;
-  if (after->stamp_ns == stamp_ns) return after->odom_from_base;
-  const auto before = std::prev(after);
-  const double fraction = static_cast<double>(stamp_ns - before->stamp_ns) /
-                          static_cast<double>(after->stamp_ns - before->stamp_ns);
-  return interpolate(before->odom_from_base, after->odom_from_base, fraction);
+  if (wheels_.empty() || stamp_ns < wheels_.front().stamp_ns) return std::nullopt;
+  if (stamp_ns > wheels_.back().stamp_ns) return wheels_.back().pose;
+  return ram_slam::odometryAt(wheels_, stamp_ns);
 }
 
 void SlamPipeline::followSmoother() {
@@ -201,6 +202,26 @@ void SlamPipeline::smooth(Results& results) {
   for (const ram_slam::LoopClosure& closure : map_smoother_.closures()) {
     loop_closures_ += closure.state == ram_slam::ClosureState::kAccepted ? 1 : 0;
   }
+}
+
+nlohmann::ordered_json SlamPipeline::calibration() const {
+  Trajectory map_from_laser;
+  for (const ram_slam::KeyScan& key : map_smoother_.keyScans())
+    map_from_laser.push_back({key.stamp_ns, key.map_from_laser});
+  const auto found = ram_slam::calibrateMount(all_wheels_, map_from_laser);
+  if (!found) return nullptr;
+  const auto with = [](double value, double sigma) {
+    return nlohmann::ordered_json{{"value", value}, {"sigma", sigma}};
+  };
+  return {{"laser_x_m", with(found->base_from_laser.x_m, found->mount_sigma[0])},
+          {"laser_y_m", with(found->base_from_laser.y_m, found->mount_sigma[1])},
+          {"laser_yaw_rad", with(found->base_from_laser.yaw_rad, found->mount_sigma[2])},
+          {"odometry_distance_ratio", with(found->distance_ratio, found->distance_ratio_sigma)},
+          {"odometry_turn_ratio", with(found->turn_ratio, found->turn_ratio_sigma)},
+          {"scan_stamp_offset_s", found->stamp_offset_s},
+          {"scan_stamp_offset_used_s", 1e-9 * static_cast<double>(stamp_offset_.offset_ns())},
+          {"motions", found->interval_count},
+          {"motions_with_slip", found->slip_count}};
 }
 
 bool SlamPipeline::isKeyScan(const Pose2& map_from_laser) {
@@ -232,6 +253,9 @@ Results SlamPipeline::finish() {
   nlohmann::ordered_json left_out = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : left_out_) left_out[reason] = count;
   results.summary = {
+      {"motion_from", wheels_.empty()                  ? "scans alone: there is no odometry"
+                      : parameters_.use_laser_odometry ? "odometry and scans"
+                                                       : "odometry alone"},
       {"poses", results.trajectory.size()},
       {"duration_s",
        static_cast<double>(online_.back().stamp_ns - online_.front().stamp_ns) * 1e-9},
@@ -244,6 +268,7 @@ Results SlamPipeline::finish() {
       {"times_lost", lost_count_},
       {"key_scans", key_scans_.size()},
       {"left_out", left_out}};
+  if (smooths() && !wheels_.empty()) results.summary["calibration"] = calibration();
   return results;
 }
 

@@ -23,7 +23,7 @@ ScanInput::ScanInput(const std::string& base_frame, Callback use)
     : base_frame_(base_frame), use_(std::move(use)), tf_listener_(tf_buffer_) {
   ros::NodeHandle node;
   scan_subscriber_ =
-      node.subscribe("scan", 10, &ScanInput::onScan, this, ros::TransportHints().tcpNoDelay());
+      node.subscribe("scan", 100, &ScanInput::onScan, this, ros::TransportHints().tcpNoDelay());
 }
 
 void ScanInput::onScan(const sensor_msgs::LaserScan& message) {

@@ -31,14 +31,28 @@ constexpr double kComparableSigma_rad = 0.05;
 constexpr double kTryEvery_m = 0.5;
 constexpr double kTryEveryShare =
     0.05;  // of the way driven lost, so that long searches cost little
+// And of the size of the map: 0.4 s for one of 300 m of way on one core, so that a lost robot keeps
+// up with its scans.
+constexpr double kTryEveryPerView_m = 0.02;
 constexpr double kSamePlace_m = 0.4;
 constexpr double kSamePlace_rad = 0.15;
 constexpr double kProbation_m = 15.0;
 // Views that contradict those of the map: the share beyond what is usual adds up over time to this
 // much [s] before the robot takes itself for lost.
 constexpr double kMostDoubt_s = 0.2;
-// Where it was not found newly but came by itself, much more is needed.
+// Where it was not found newly but came by itself, much more is needed, for longer, and not while
+// most landmarks are found.
 constexpr double kTrust = 4.0;
+constexpr double kMostDoubtTracked_s = 1.0;
+constexpr int kLandmarksForTrust = 2;
+constexpr double kQualityForTrust = 0.5;
+// Odometry that was never interrupted is trusted again when the robot has found no other place
+// within this way, or when the walls agree for so long where it leads.
+constexpr double kGiveUp_m = 20.0;
+constexpr std::int64_t kWallsAgreeForNs = 1'000'000'000;
+// How uncertain the pose is then.
+constexpr double kGivenUpSigma_m = 0.3;
+constexpr double kGivenUpSigma_rad = 0.05;
 // A pose this near at which the views agree: the map has drifted, and a loop is still open.
 constexpr double kMostDrift_m = 1.0;
 constexpr double kMostDrift_rad = 0.15;
@@ -174,7 +188,10 @@ bool RecoveringSlam::contradictsMap(const View& now) {
   const auto share = map_views_.watch(*now.view, filter_.estimate().pose, path_m_);
   if (!share) return false;
   doubt_s_ = std::max(0.0, doubt_s_ + since_s * (*share - usualContradiction()));
-  if (doubt_s_ <= kMostDoubt_s) return false;
+  const bool landmarks_agree =
+      agreement_.expected_count >= kLandmarksForTrust && agreement_.quality() >= kQualityForTrust;
+  if (!on_probation_ && landmarks_agree) doubt_s_ = 0.0;
+  if (doubt_s_ <= (on_probation_ ? kMostDoubt_s : kMostDoubtTracked_s)) return false;
   doubt_s_ = 0.0;
   return on_probation_ || !isDrift(now);
 }
@@ -266,6 +283,21 @@ void RecoveringSlam::search(const FeatureList& list,
     return;
   }
   if (local_.distance_m() >= next_try_m_) tryToRecover();
+  if (lost() && reason_ == LostReason::kMapContradicts && odometryIsRight(now)) {
+    PoseWithCovariance2 pose = dead_reckoned_;
+    pose.covariance = Eigen::Vector3d(kGivenUpSigma_m, kGivenUpSigma_m, kGivenUpSigma_rad)
+                          .cwiseAbs2()
+                          .asDiagonal();
+    resume(pose);
+  }
+}
+
+bool RecoveringSlam::odometryIsRight(const View& now) {
+  if (local_.distance_m() >= kGiveUp_m) return true;
+  if (now.view == nullptr) return false;
+  const auto share = map_views_.contradiction(*now.view, dead_reckoned_.pose);
+  if (!share || *share > parameters_.lost.contradiction) agreeing_since_ns_ = now.stamp_ns;
+  return now.stamp_ns >= agreeing_since_ns_ + kWallsAgreeForNs;
 }
 
 bool RecoveringSlam::isFalseAlarm(const View& now) {
@@ -283,7 +315,9 @@ bool RecoveringSlam::isFalseAlarm(const View& now) {
 }
 
 void RecoveringSlam::tryToRecover() {
-  next_try_m_ = local_.distance_m() + std::max(kTryEvery_m, kTryEveryShare * local_.distance_m());
+  next_try_m_ =
+      local_.distance_m() + std::max({kTryEvery_m, kTryEveryShare * local_.distance_m(),
+                                      kTryEveryPerView_m * static_cast<double>(map_views_.size())});
   const std::optional<PoseWithCovariance2> place =
       findPlace(mapConstellation(), local_, map_views_, matchers_, parameters_.constellation);
   if (!place) {

@@ -79,6 +79,8 @@ void LaserOdometryParameters::validate() const {
   requirePositive("wheel_distance_deviation_m_per_m", wheel_distance_deviation_m_per_m);
   requirePositive("wheel_yaw_deviation_rad_per_m", wheel_yaw_deviation_rad_per_m);
   requirePositive("wheel_yaw_deviation_rad_per_rad", wheel_yaw_deviation_rad_per_rad);
+  require(max_stamp_offset_s >= 0.0 && max_stamp_offset_s <= 1.0, "max_stamp_offset_s",
+          max_stamp_offset_s, "in [0, 1]");
   requirePositive("acceleration_deviation_m_per_s2", acceleration_deviation_m_per_s2);
   requirePositive("yaw_acceleration_deviation_rad_per_s2", yaw_acceleration_deviation_rad_per_s2);
   require(lost_inlier_ratio >= 0.0 && lost_inlier_ratio <= 1.0, "lost_inlier_ratio",
@@ -114,6 +116,7 @@ LaserOdometryParameters readLaserOdometryParameters(ram_parameters::ParameterRea
   reader.read("wheel_distance_deviation_m_per_m", parameters.wheel_distance_deviation_m_per_m);
   reader.read("wheel_yaw_deviation_rad_per_m", parameters.wheel_yaw_deviation_rad_per_m);
   reader.read("wheel_yaw_deviation_rad_per_rad", parameters.wheel_yaw_deviation_rad_per_rad);
+  reader.read("max_stamp_offset_s", parameters.max_stamp_offset_s);
   reader.read("acceleration_deviation_m_per_s2", parameters.acceleration_deviation_m_per_s2);
   reader.read("yaw_acceleration_deviation_rad_per_s2",
               parameters.yaw_acceleration_deviation_rad_per_s2);

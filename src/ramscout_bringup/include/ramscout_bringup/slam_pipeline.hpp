@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "ram_slam/calibration/stamp_offset.hpp"
 #include "ram_slam/fast_slam/gap_bridge.hpp"
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
 #include "ram_slam/relocalisation/recovering_slam.hpp"
@@ -72,21 +73,25 @@ private:
   /// Lets the filter know of closures that the smoother has found since.
   void followSmoother();
   void smooth(Results& results);
+  /// What the drive tells about the laser's mount and the wheels, for the summary.
+  nlohmann::ordered_json calibration() const;
   bool isKeyScan(const ram_slam::Pose2& map_from_laser);
   void leaveOut(const std::string& reason) { ++left_out_[reason]; }
   ram_slam::OccupancyGrid renderMap(const Trajectory& trajectory);
 
   SlamParameters parameters_;
   ram_slam::LaserOdometry laser_odometry_;
+  ram_slam::StampOffset stamp_offset_;
   ramscout_feature_detector::FeatureDetector feature_detector_;
   ramscout_kinematics::Kinematics kinematics_;
   ram_slam::GapBridge motion_;
   ram_slam::RecoveringSlam fast_slam_;
   ram_slam::MapSmoother map_smoother_;
   std::deque<ScanReading> waiting_;
-  std::deque<OdometryReading> wheels_;       ///< the newest readings
-  std::vector<ScanReading> key_scans_;       ///< those that the map is drawn from
-  std::optional<ram_slam::Pose2> last_key_;  ///< where the laser was at the newest of them
+  std::deque<ram_slam::StampedPose2> wheels_;  ///< the newest readings
+  Trajectory all_wheels_;                      ///< as told, thinned
+  std::vector<ScanReading> key_scans_;         ///< those that the map is drawn from
+  std::optional<ram_slam::Pose2> last_key_;    ///< where the laser was at the newest of them
   Trajectory online_;
   std::size_t feature_count_ = 0;
   std::size_t list_count_ = 0;  ///< of features: readings that the filter was shown

@@ -33,7 +33,7 @@ struct OccupancyMapperParameters {
       "~/.ros/maps";                 ///< where save_map writes; a leading ~ is the home folder
   double publish_period_s = 5.0;     ///< between whole maps
   double update_period_s = 0.5;      ///< between map updates
-  double transform_timeout_s = 2.0;  ///< how long a scan waits for its pose
+  double transform_timeout_s = 2.0;  ///< wall time that a scan waits for its pose
   bool follow_trajectory =
       false;  ///< also re-render along every `trajectory`, not only corrected ones
 

@@ -106,6 +106,8 @@ private:
   /// Whether this view and one a little older show different places.
   bool isDiscontinuous(const View& now);
   bool isFalseAlarm(const View& now);
+  /// Whether a robot that the map contradicts is where its odometry leads, after all.
+  bool odometryIsRight(const View& now);
   /// Whether views of late contradict those that the map was learned from.
   bool contradictsMap(const View& now);
   /// The share of contradiction that says nothing.

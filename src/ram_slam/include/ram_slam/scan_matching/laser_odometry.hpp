@@ -33,6 +33,8 @@ struct LaserOdometryParameters {
   double wheel_distance_deviation_m_per_m = 0.1;
   double wheel_yaw_deviation_rad_per_m = 0.1;
   double wheel_yaw_deviation_rad_per_rad = 0.1;
+  /// Offset between the stamps of wheels and scans that is learned (StampOffset); 0: none.
+  double max_stamp_offset_s = 0.3;
   /// Greatest change of speed that is expected of a robot without wheel odometry.
   double acceleration_deviation_m_per_s2 = 1.0;
   double yaw_acceleration_deviation_rad_per_s2 = 2.0;
