@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_bringup/evaluation.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -122,6 +123,25 @@ TEST(CompareWithRelations, AStampFarFromAnyPoseIsBridgedByOdometry) {
   EXPECT_NEAR(nearest_only.all.position_m.mean, 1.5, 1e-12);
   EXPECT_EQ(nearest_only.far_count, 1u);
   EXPECT_NEAR(nearest_only.max_stamp_gap_s, 1.0, 1e-9);
+}
+
+TEST(CompareWithRelations, TheirOrderDoesNotMatterButStampsDo) {
+  const Trajectory truth = circle();
+  std::vector<Relation> relations;
+  for (std::size_t i = 0; i + 7 < truth.size(); ++i) {
+    relations.push_back(
+        {truth[i].stamp_ns, truth[i + 7].stamp_ns,
+         truth[i].pose.inverse() * truth[i + 7].pose * Pose2{0.01 * (i % 3), 0, 0}});
+  }
+  const double mean_m = compareWithRelations(truth, relations, {}).all.position_m.mean;
+  EXPECT_NEAR(mean_m, 0.01, 1e-3);
+  std::reverse(relations.begin(), relations.end());
+  EXPECT_NEAR(compareWithRelations(truth, relations, {}).all.position_m.mean, mean_m, 1e-12);
+  // The circle looks the same a second later: driven at another speed it does not.
+  Trajectory late = truth;
+  for (std::size_t i = 0; i < late.size(); ++i)
+    late[i].stamp_ns += kSecond + static_cast<std::int64_t>(i * i) * (kSecond / 200);
+  EXPECT_GT(compareWithRelations(late, relations, {}).all.position_m.mean, 10.0 * mean_m);
 }
 
 TEST(ReadRelations, ReadsLinesAndNamesBadOnes) {
