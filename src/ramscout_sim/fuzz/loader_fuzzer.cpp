@@ -27,7 +27,8 @@ std::filesystem::path makeFolder() {
   std::filesystem::create_directory(folder);
   if (kFile == "map.yaml") {
     std::ofstream(folder / "map.pgm", std::ios::binary)
-        << "P5\n8 3\n255\n" << std::string(12, '\xfe') << std::string(12, '\0');
+        << "P5\n8 3\n255\n"
+        << std::string(12, '\xfe') << std::string(12, '\0');
   }
   if (kFile == "map.pgm")
     std::ofstream(folder / "map.yaml") << "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";

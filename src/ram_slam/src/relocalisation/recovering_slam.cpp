@@ -31,8 +31,8 @@ constexpr double kComparableSigma_rad = 0.05;
 constexpr double kTryEvery_m = 0.5;
 constexpr double kTryEveryShare =
     0.05;  // of the way driven lost, so that long searches cost little
-// And of the size of the map: a search in one of 300 m of way takes up to a second of one core, and a
-// lost robot is to keep up with its scans.
+// And of the size of the map: a search in one of 300 m of way takes up to a second of one core, and
+// a lost robot is to keep up with its scans.
 constexpr double kTryEveryPerView_m = 0.02;
 constexpr double kSamePlace_m = 0.4;
 constexpr double kSamePlace_rad = 0.15;
