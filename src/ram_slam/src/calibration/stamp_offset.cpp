@@ -49,13 +49,12 @@ void StampOffset::addWheels(const StampedPose2& odom_from_base) {
 
 void StampOffset::addScan(const StampedPose2& odom_from_base) {
   if (max_offset_ns_ == 0) return;
-  if (start_.empty()) start_ = {odom_from_base};
-  const StampedPose2& start = start_.front();
-  const bool too_long = odom_from_base.stamp_ns - start.stamp_ns > kLongestTurnNs;
+  if (!start_) start_ = odom_from_base;
+  const bool too_long = odom_from_base.stamp_ns - start_->stamp_ns > kLongestTurnNs;
   const bool turned =
-      std::abs(wrapAngle(odom_from_base.pose.yaw_rad - start.pose.yaw_rad)) >= kTurnRad;
-  if (turned && !too_long) waiting_.push_back({start, odom_from_base});
-  if (turned || too_long) start_ = {odom_from_base};
+      std::abs(wrapAngle(odom_from_base.pose.yaw_rad - start_->pose.yaw_rad)) >= kTurnRad;
+  if (turned && !too_long) waiting_.push_back({*start_, odom_from_base});
+  if (turned || too_long) start_ = odom_from_base;
 }
 
 void StampOffset::compare(const Turn& turn) {

@@ -13,6 +13,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "ram_parameters/require.hpp"
+
 namespace ram_slam {
 namespace {
 
@@ -30,11 +32,7 @@ constexpr double kWrongOrientations = 0.1;
 constexpr double kUnknownVariance_rad2 = 1.0;
 constexpr double kVoteBase = 1.5;  // [nat] a pair of pairs is worth this before its looks
 
-void require(bool good, const char* name, double value, const char* bound) {
-  if (good) return;
-  throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
-                              std::to_string(value));
-}
+using ram_parameters::require;
 
 void requireFinite(const Constellation& constellation) {
   for (const ConstellationPoint& point : constellation) {

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 #include <Eigen/LU>
+
+#include "ram_parameters/require.hpp"
 
 namespace ram_slam {
 namespace {
@@ -24,11 +24,7 @@ constexpr double kLookedThrough = -2.0;
 constexpr double kOverlooked = -0.5;
 constexpr int kLeastLooks = 2;
 
-void require(bool good, const char* name, double value, const char* bound) {
-  if (good) return;
-  throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
-                              std::to_string(value));
-}
+using ram_parameters::require;
 
 }  // namespace
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <stdexcept>
-#include <string>
+
+#include "ram_parameters/require.hpp"
 
 namespace ram_slam {
 namespace {
@@ -28,11 +28,7 @@ Sight lookAround(const FieldOfView& view, const Eigen::Vector2d& point_m) {
   return sight;
 }
 
-void require(bool good, const char* name, double value, const char* bound) {
-  if (good) return;
-  throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
-                              std::to_string(value));
-}
+using ram_parameters::require;
 
 }  // namespace
 

@@ -276,20 +276,18 @@ void RecoveringSlam::search(const FeatureList& list,
   }
   local_.add(list, moved.pose, now.view);
   if (isFalseAlarm(now)) {
-    PoseWithCovariance2 pose = dead_reckoned_;
-    pose.covariance =
-        Eigen::Vector3d(kResumeSigma_m, kResumeSigma_m, kResumeSigma_rad).cwiseAbs2().asDiagonal();
-    resume(pose);
+    resumeByOdometry(kResumeSigma_m, kResumeSigma_rad);
     return;
   }
   if (local_.distance_m() >= next_try_m_) tryToRecover();
-  if (lost() && reason_ == LostReason::kMapContradicts && odometryIsRight(now)) {
-    PoseWithCovariance2 pose = dead_reckoned_;
-    pose.covariance = Eigen::Vector3d(kGivenUpSigma_m, kGivenUpSigma_m, kGivenUpSigma_rad)
-                          .cwiseAbs2()
-                          .asDiagonal();
-    resume(pose);
-  }
+  if (reason_ == LostReason::kMapContradicts && odometryIsRight(now))
+    resumeByOdometry(kGivenUpSigma_m, kGivenUpSigma_rad);
+}
+
+void RecoveringSlam::resumeByOdometry(double sigma_m, double sigma_rad) {
+  PoseWithCovariance2 pose = dead_reckoned_;
+  pose.covariance = Eigen::Vector3d(sigma_m, sigma_m, sigma_rad).cwiseAbs2().asDiagonal();
+  resume(pose);
 }
 
 bool RecoveringSlam::odometryIsRight(const View& now) {

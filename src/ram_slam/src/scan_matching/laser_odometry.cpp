@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "ram_parameters/require.hpp"
 #include "ram_slam/scan_matching/correlative_search.hpp"
 
 namespace ram_slam {
@@ -24,11 +25,7 @@ constexpr double kWideSearchAngleRad =
     3.2;  // all round, when a search about the prediction has failed
 constexpr double kWeakPriorFactor = 100.0;  // by which the variance of disbelieved wheels grows
 
-void require(bool good, const char* name, double value, const char* bound) {
-  if (!good)
-    throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
-                                std::to_string(value));
-}
+using ram_parameters::require;
 
 void requirePositive(const char* name, double value) {
   require(value > 0.0, name, value, "> 0");

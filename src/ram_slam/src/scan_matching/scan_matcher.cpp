@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 #include <Eigen/Cholesky>
+
+#include "ram_parameters/require.hpp"
 
 namespace ram_slam {
 namespace {
@@ -17,11 +17,7 @@ constexpr double kConvergedRad = 5e-5;
 constexpr double kNearM = 0.01;
 constexpr double kNearRad = 0.005;
 
-void require(bool good, const char* name, double value, const char* bound) {
-  if (!good)
-    throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
-                                std::to_string(value));
-}
+using ram_parameters::require;
 
 struct Equations {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();

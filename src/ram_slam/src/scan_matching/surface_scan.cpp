@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
+
+#include "ram_parameters/require.hpp"
 
 namespace ram_slam {
 namespace {
@@ -15,11 +15,7 @@ constexpr int kMinLinePoints = 4;
 constexpr double kMinElongation =
     3.0;  // of the neighbours along their line, in deviations across it
 
-void require(bool good, const char* name, double value, const char* bound) {
-  if (!good)
-    throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
-                                std::to_string(value));
-}
+using ram_parameters::require;
 
 struct Sums {
   double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;

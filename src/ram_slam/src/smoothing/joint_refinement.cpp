@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 #include <Eigen/Cholesky>
+
+#include "ram_parameters/require.hpp"
 
 namespace ram_slam {
 namespace {
@@ -18,11 +18,7 @@ constexpr double kDampingInformation =
     100;  // keeps what a pair leaves open where it is: 0.1 m, 0.1 rad
 constexpr int kSolverIterations = 3;
 
-void require(bool good, const char* name, double value, const char* bound) {
-  if (!good)
-    throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
-                                std::to_string(value));
-}
+using ram_parameters::require;
 
 struct ScanPair {
   std::size_t target;

@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 #include <Eigen/Eigenvalues>
 
+#include "ram_parameters/require.hpp"
 #include "ram_slam/scan_matching/correlative_search.hpp"
 
 namespace ram_slam {
@@ -30,11 +29,7 @@ constexpr double kLeastAmbiguousShiftM = 0.4;  // nearer, the peak itself is sti
 constexpr double kMaxRivalScore = 0.75;        // of the best score
 constexpr double kWeakInformation = 100.0;     // 0.1 m, 0.1 rad
 
-void require(bool good, const char* name, double value, const char* bound) {
-  if (!good)
-    throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
-                                std::to_string(value));
-}
+using ram_parameters::require;
 
 Eigen::Vector2d viewCentre(const KeyScan& key) {
   return key.map_from_laser * key.view_centre_in_laser_m;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "ram_slam/pose2.hpp"
@@ -41,10 +42,10 @@ private:
   void decide();
 
   std::int64_t max_offset_ns_;
-  std::deque<StampedPose2> wheels_;  ///< as many as the turns that wait need
-  std::deque<Turn> waiting_;         ///< for wheels after them
-  std::vector<StampedPose2> start_;  ///< of the turn that goes on; one or none
-  std::vector<double> errors_rad_;   ///< by offset
+  std::deque<StampedPose2> wheels_;    ///< as many as the turns that wait need
+  std::deque<Turn> waiting_;           ///< for wheels after them
+  std::optional<StampedPose2> start_;  ///< of the turn that goes on
+  std::vector<double> errors_rad_;     ///< by offset
   std::size_t turn_count_ = 0;
   std::int64_t offset_ns_ = 0;
 };

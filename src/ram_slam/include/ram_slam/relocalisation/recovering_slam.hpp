@@ -120,6 +120,8 @@ private:
   /// Back to the map as it was before.
   void loseTrack(LostReason reason);
   void resume(const PoseWithCovariance2& map_from_base);
+  /// Where odometry has led since the robot was lost.
+  void resumeByOdometry(double sigma_m, double sigma_rad);
   void tryToRecover();
   Constellation mapConstellation() const;
   void addView(View view);
