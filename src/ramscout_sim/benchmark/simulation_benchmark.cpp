@@ -48,7 +48,7 @@ void castRays(benchmark::State& state) {
   std::size_t next = 0;
   for (auto _ : state) {
     const Rays& scan = scans[next++ % scans.size()];
-    benchmark::DoNotOptimize(caster.cast(scan));
+    benchmark::DoNotOptimize(caster.cast(scan, 30.0F));
     rays += static_cast<std::int64_t>(scan.size());
   }
   state.SetItemsProcessed(rays);

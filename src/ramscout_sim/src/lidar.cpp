@@ -207,7 +207,7 @@ Scan Lidar::measure(std::int64_t stamp_ns,
     scan.ranges_m =
         illuminate({beams, world, moving, windows}, parameters_, seed_, scan_index * kMaxBeams);
   } else {
-    scan.ranges_m = world.cast(beams);
+    scan.ranges_m = world.cast(beams, static_cast<float>(parameters_.range_max_m));
     castMoving(beams, moving, windows, scan.ranges_m);
   }
   if (parameters_.outlier_probability > 0.0) addOutliers(scan.ranges_m, scan_index);

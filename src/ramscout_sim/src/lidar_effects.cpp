@@ -16,7 +16,8 @@ constexpr float kBehindSurface_m = 1e-4F;
 constexpr int kMaxSurfaces = 16;  // that one beam passes or is mirrored by
 constexpr double kWhite = 0.9;    // reflectivity that half_detection_range_m is stated for
 constexpr double kDetectionSteepness = 4.0;
-constexpr float kEdge_m = 0.2F;  // neighbours that differ more have an edge between them
+constexpr float kBeyondRange_m = 1.0F;  // what is there can still make an edge
+constexpr float kEdge_m = 0.2F;         // neighbours that differ more have an edge between them
 constexpr int kSubRays = 5;
 
 /// Where light ends, and what share of it finds back, up to a factor: reflectivity * cos(incidence)
@@ -29,8 +30,14 @@ struct Echo {
 /// Follows light through glass and along mirrors.
 class Tracer {
 public:
-  Tracer(const RayCaster& world, const std::vector<Solid>& moving, std::uint64_t seed)
-      : world_(world), moving_(moving), seed_(seed) {}
+  Tracer(const RayCaster& world,
+         const std::vector<Solid>& moving,
+         double range_max_m,
+         std::uint64_t seed)
+      : world_(world),
+        moving_(moving),
+        farthest_m_(static_cast<float>(range_max_m) + kBeyondRange_m),
+        seed_(seed) {}
 
   /// \param readings  of each ray: rays of the same reading take the same decisions at glass
   /// \param hits  the first surface of each ray
@@ -65,8 +72,12 @@ public:
   std::vector<Hit> trace(const Rays& rays) const {
     std::vector<BeamWindow> everywhere;
     for (std::size_t i = 0; i < moving_.size(); ++i) everywhere.push_back({i, 0, rays.size()});
-    std::vector<Hit> hits = world_.trace(rays);
-    traceMoving(rays, moving_, everywhere, hits);
+    return trace(rays, everywhere);
+  }
+
+  std::vector<Hit> trace(const Rays& rays, const std::vector<BeamWindow>& windows) const {
+    std::vector<Hit> hits = world_.trace(rays, farthest_m_);
+    traceMoving(rays, moving_, windows, hits);
     return hits;
   }
 
@@ -108,6 +119,7 @@ private:
 
   const RayCaster& world_;
   const std::vector<Solid>& moving_;
+  float farthest_m_;
   std::uint64_t seed_;
 };
 
@@ -201,9 +213,8 @@ std::vector<float> illuminate(const Illumination& scan,
                               const LidarParameters& lidar,
                               std::uint64_t seed,
                               std::uint64_t first_reading) {
-  const Tracer tracer(scan.world, scan.moving, seed);
-  std::vector<Hit> hits = scan.world.trace(scan.rays);
-  traceMoving(scan.rays, scan.moving, scan.windows, hits);
+  const Tracer tracer(scan.world, scan.moving, lidar.range_max_m, seed);
+  std::vector<Hit> hits = tracer.trace(scan.rays, scan.windows);
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < scan.rays.size(); ++i) rays.push_back(scan.rays[i]);
   std::vector<std::uint64_t> readings(scan.rays.size());

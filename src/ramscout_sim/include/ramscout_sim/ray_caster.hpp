@@ -44,16 +44,19 @@ struct Hit {
 };
 
 /// The widest vector instructions that ray casting may use. A processor without them uses what it
-/// has. Results are the same to the bit wherever the same set is used; those of different sets
-/// differ by micrometres.
+/// has. Results are the same to the bit; only on meshes those of different sets differ by
+/// micrometres.
 enum class InstructionSet { kSse42, kAvx, kAvx2, kAvx512 };
 
 /// From `sse4.2`, `avx`, `avx2` or `avx512`. \throws std::invalid_argument for anything else
 InstructionSet parseInstructionSet(const std::string& name);
 
-/// Finds what rays hit first (Embree, single thread).
+/// Finds what rays hit first: boxes, cylinders and spheres with a tree of its own, meshes with
+/// Embree. Single thread.
 class RayCaster {
 public:
+  static constexpr float kUnlimited_m = std::numeric_limits<float>::infinity();
+
   /// \throws std::runtime_error if Embree refuses
   explicit RayCaster(const World& world, InstructionSet widest = InstructionSet::kAvx2);
   ~RayCaster();
@@ -61,10 +64,11 @@ public:
   RayCaster& operator=(RayCaster&&) noexcept;
 
   /// Distance to the first surface (solids or floor) along each ray [m]; +Inf where there is none.
-  std::vector<float> cast(const Rays& rays) const;
+  /// \param farthest_m  surfaces that are farther away may be left out
+  std::vector<float> cast(const Rays& rays, float farthest_m = kUnlimited_m) const;
 
   /// The same with the surface; slower.
-  std::vector<Hit> trace(const Rays& rays) const;
+  std::vector<Hit> trace(const Rays& rays, float farthest_m = kUnlimited_m) const;
 
   /// Whether a solid that is seen is not opaque.
   bool hasClearSurfaces() const { return has_clear_surfaces_; }
