@@ -2,6 +2,7 @@
 #include "ramscout_sim/map_image.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -65,6 +66,62 @@ TEST(ReadMap, NegatesAndScalesGreyLevels) {
   EXPECT_THAT(readMap(path).cells, ElementsAre(Cell::kFree, Cell::kOccupied));
 }
 
+TEST(ReadMap, ReadsCommentsAndLeavesWhatFollowsThePictureAlone) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("map.yaml", kYaml);
+  folder.write("map.pgm",
+               "P5 # kind\n# and\n2 # wide\n1\n255\n\xfe" + std::string(1, '\0') + "more bytes");
+  EXPECT_THAT(readMap(path).cells, ElementsAre(Cell::kFree, Cell::kOccupied));
+}
+
+TEST(ReadMap, ReadsYamlOfOtherSystems) {
+  const TemporaryFolder folder;
+  folder.write("map.pgm", kPgm);
+  const std::string returns = "image: map.pgm\r\nresolution: 0.1\r\norigin: [1, 2, 0]\r\n";
+  EXPECT_EQ(readMap(folder.write("returns.yaml", returns)).width_cells, 3);
+  EXPECT_EQ(readMap(folder.write("mark.yaml", std::string("\xef\xbb\xbf") + kYaml)).width_cells, 3);
+}
+
+TEST(ReadMap, TakesTheNameOfThePictureAsItIs) {
+  const TemporaryFolder folder;
+  const auto read = [&folder](const std::string& image) {
+    const std::string yaml = "image: \"" + image + "\"\nresolution: 0.1\norigin: [1, 2, 0]\n";
+    return refusalOf(readMap, folder.write("map.yaml", yaml));
+  };
+  for (const std::string name :
+       {"of the hall.pgm", "a;touch b.pgm", "$(touch b).pgm", "Zür\u00e4ß 地図.pgm"}) {
+    EXPECT_THAT(read(name), HasSubstr("cannot be opened")) << name;
+    folder.write(name, kPgm);
+    EXPECT_EQ(read(name), "accepted") << name;
+    EXPECT_EQ(read(folder / name), "accepted") << name;  // from the root
+  }
+  EXPECT_EQ(read("../" + std::filesystem::path(folder / "").parent_path().filename().string() +
+                 "/of the hall.pgm"),
+            "accepted");
+  EXPECT_FALSE(std::filesystem::exists(folder / "b"));
+  EXPECT_FALSE(std::filesystem::exists("b"));
+  EXPECT_THAT(read("~/of the hall.pgm"), HasSubstr("cannot be opened"));
+  EXPECT_THAT(read(std::string(5000, 'x')), HasSubstr("cannot be opened"));
+}
+
+TEST(ReadMap, AliasesOfAliasesOfAliasesTakeNoTime) {
+  const TemporaryFolder folder;
+  folder.write("map.pgm", kPgm);
+  std::string yaml = "a0: &a0 [x]\n";
+  for (int i = 1; i < 40; ++i) {  // 10^40 elements
+    const std::string before = "*a" + std::to_string(i - 1);
+    yaml += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before;
+    for (int k = 1; k < 10; ++k) yaml += ", " + before;
+    yaml += "]\n";
+  }
+  EXPECT_THAT(refusalOf(readMap, folder.write("map.yaml", yaml + kYaml)), HasSubstr("a0"));
+  EXPECT_THAT(
+      refusalOf(
+          readMap,
+          folder.write("map.yaml", yaml + "image: map.pgm\nresolution: *a39\norigin: [1, 2, 0]\n")),
+      HasSubstr("resolution"));
+}
+
 TEST(ReadMap, RefusesBadPictures) {
   const TemporaryFolder folder;
   const std::string path = folder.write("map.yaml", kYaml);
@@ -104,6 +161,7 @@ TEST(ReadMap, RefusesBadYamlByKey) {
   EXPECT_THAT(refusal(with("0.1", "-0.1")), HasSubstr("resolution"));
   EXPECT_THAT(refusal(with("0.1", ".nan")), HasSubstr("resolution"));
   EXPECT_THAT(refusal(with("resolution: 0.1\n", "")), HasSubstr("resolution"));
+  EXPECT_THAT(refusal(with("origin: [1, 2, 0]\n", "")), HasSubstr("origin"));
   EXPECT_THAT(refusal(with("[1, 2, 0]", "[1, 2]")), HasSubstr("origin"));
   EXPECT_THAT(refusal(with("[1, 2, 0]", "[.inf, 2, 0]")), HasSubstr("origin"));
   EXPECT_THAT(refusal(with("[1, 2, 0]", "[1e30, 2, 0]")), HasSubstr("origin"));
@@ -111,6 +169,8 @@ TEST(ReadMap, RefusesBadYamlByKey) {
   EXPECT_THAT(refusal(good + "mode: raw\n"), HasSubstr("mode"));
   EXPECT_THAT(refusal(good + "occupied_thresh: 0.1\n"), HasSubstr("occupied_thresh"));
   EXPECT_THAT(refusal(good + "free_thresh: -1\n"), HasSubstr("free_thresh"));
+  EXPECT_THAT(refusal(good + "occupied_thresh: 1.5\n"), HasSubstr("occupied_thresh"));
+  EXPECT_THAT(refusal(good + "free_thresh: .nan\n"), HasSubstr("free_thresh"));
   EXPECT_THAT(refusal(good + "color: red\n"), HasSubstr("color"));
   EXPECT_THAT(refusal("\t" + good), HasSubstr("map.yaml"));
   EXPECT_THAT(refusal("[1, 2]"), HasSubstr("map.yaml"));

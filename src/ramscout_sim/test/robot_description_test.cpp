@@ -92,6 +92,19 @@ TEST(RobotDescription, NamesAMissingLink) {
   EXPECT_THAT(refusal(shippedUrdf(), "camera"), HasSubstr("camera"));
 }
 
+TEST(RobotDescription, NamesALinkThatNoJointHolds) {
+  std::string urdf = shippedUrdf();
+  const std::size_t begin = urdf.find("<joint name=\"left_wheel_joint\"");
+  const std::size_t end = urdf.find("</joint>", begin) + std::string("</joint>").size();
+  ASSERT_LT(begin, end);
+  EXPECT_THAT(refusal(urdf.erase(begin, end - begin)), HasSubstr("left_wheel"));
+}
+
+TEST(RobotDescription, RefusesAMeshForAChassisByLink) {
+  EXPECT_THAT(refusal(with("<box size=\"0.60 0.45 0.29\"/>", "<mesh filename=\"none.stl\"/>")),
+              AllOf(HasSubstr("chassis"), HasSubstr("box")));
+}
+
 TEST(RobotDescription, RefusesALaserThatMoves) {
   EXPECT_THAT(refusal(with("<joint name=\"laser_joint\" type=\"fixed\">",
                            "<joint name=\"laser_joint\" type=\"floating\">")),

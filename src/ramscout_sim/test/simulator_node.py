@@ -1,64 +1,58 @@
 #!/usr/bin/python3
 """The simulator as a node: topics, frames, clock, services, lock step."""
 import math
+import subprocess
 import threading
 import time
-import unittest
 
 import rospy
 import rostest
-from geometry_msgs.msg import Pose2D, PoseStamped
+from geometry_msgs.msg import Pose2D, PoseStamped, Twist
 from nav_msgs.msg import Odometry
-from rosgraph_msgs.msg import Clock
+from rosgraph_msgs.msg import Clock, Log
 from sensor_msgs.msg import JointState, LaserScan
 from std_msgs.msg import String
 from std_srvs.srv import Empty, SetBool
 from tf2_msgs.msg import TFMessage
 
 from ramscout_sim.srv import SetPose, SetRate, Step
+from simulator_testing import PATIENCE_S, SimulatorTest
 
-PATIENCE_S = 15.0
 ROOM_START_X_M = 4.0  # room.yaml
 TOPICS = {"/clock": Clock, "scan": LaserScan, "odom": Odometry, "ground_truth": Odometry,
           "joint_states": JointState, "/tf": TFMessage}
 
 
-class SimulatorNode(unittest.TestCase):
+class SimulatorNode(SimulatorTest):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("simulator_node_test")
-        cls.changed = threading.Condition()
-        cls.latest = {}
-        cls.scan_stamps = []
         cls.scans = []
+        cls.warnings = []
         cls.answers = True
         cls.answer = rospy.Publisher("answer", PoseStamped, queue_size=100)
-        for name, kind in TOPICS.items():
-            rospy.Subscriber(name, kind, lambda message, name=name: cls.receive(name, message),
-                             tcp_nodelay=True)
-        services = {"pause": SetBool, "reset": Empty, "set_pose": SetPose, "set_rate": SetRate, "step": Step}
-        cls.call = {}
-        for name, kind in services.items():
-            rospy.wait_for_service("simulator/" + name, PATIENCE_S)
-            cls.call[name] = rospy.ServiceProxy("simulator/" + name, kind)
+        cls.command = rospy.Publisher("cmd_vel", Twist, queue_size=1)
+        rospy.Subscriber("/rosout", Log, cls.receive_log)
+        cls.connect(TOPICS, {"pause": SetBool, "reset": Empty, "set_pose": SetPose, "set_rate": SetRate, "step": Step})
 
     @classmethod
     def receive(cls, name, message):
         with cls.changed:
-            cls.latest[name] = message
             if name == "scan":
-                cls.scan_stamps.append(message.header.stamp)
                 cls.scans.append(message)
-            cls.changed.notify_all()
+            super().receive(name, message)
         if name == "scan" and cls.answers:
             cls.answer.publish(PoseStamped(header=message.header))
 
-    def wait_for(self, condition, what):
-        with self.changed:
-            self.assertTrue(self.changed.wait_for(condition, PATIENCE_S), what)
+    @classmethod
+    def receive_log(cls, message):
+        with cls.changed:
+            cls.warnings.append(message.msg)
+            cls.changed.notify_all()
 
     def setUp(self):
         type(self).answers = True
+        self.call["set_rate"](0.0)
         self.call["reset"]()
         self.call["pause"](False)
         self.wait_for(lambda: set(self.latest) == set(TOPICS), "not every topic came: %s" % list(self.latest))
@@ -69,7 +63,7 @@ class SimulatorNode(unittest.TestCase):
         time.sleep(0.2)  # for messages that are on their way
 
     def test_topics_carry_standard_frames(self):
-        self.wait_for(lambda: len(self.scan_stamps) > 1, "no scans")
+        self.wait_for(lambda: len(self.scans) > 1, "no scans")
         self.pause()
         self.assertEqual(self.latest["scan"].header.frame_id, "laser")
         self.assertEqual(len(self.latest["scan"].ranges), 1081)
@@ -120,7 +114,7 @@ class SimulatorNode(unittest.TestCase):
 
     def test_services_are_answered_at_once_at_full_speed(self):
         self.call["set_rate"](0.0)
-        self.wait_for(lambda: len(self.scan_stamps) > 50, "it does not run")
+        self.wait_for(lambda: len(self.scans) > 50, "it does not run")
         durations = []
         for _ in range(50):
             begin = time.time()
@@ -151,7 +145,7 @@ class SimulatorNode(unittest.TestCase):
         self.assertNotEqual(runs[0][0][1], runs[0][1][1])  # each has noise of its own
 
     def test_resuming_elsewhere_after_a_pause_is_a_kidnapping(self):
-        self.wait_for(lambda: len(self.scan_stamps) > 1, "no scans")
+        self.wait_for(lambda: len(self.scans) > 1, "no scans")
         faults = []
         subscriber = rospy.Subscriber("faults", String, lambda message: faults.append(message.data))
         while subscriber.get_num_connections() == 0:
@@ -193,6 +187,49 @@ class SimulatorNode(unittest.TestCase):
         self.assertAlmostEqual(response.now.to_sec(), 1.2, places=6)
         self.wait_for(lambda: (response.now - self.latest["ground_truth"].header.stamp).to_sec() < 0.0101, "no truth")
         self.assertAlmostEqual(self.latest["ground_truth"].pose.pose.position.x, ROOM_START_X_M, delta=1e-3)
+
+    def command_until(self, forward, left, turn, condition, what):
+        """Commands again and again; `condition` is asked with the messages locked."""
+        message = Twist()
+        message.linear.x, message.linear.y, message.angular.z = forward, left, turn
+        deadline = time.time() + PATIENCE_S
+        while time.time() < deadline:
+            self.command.publish(message)
+            with self.changed:
+                if self.changed.wait_for(condition, 0.05):
+                    return
+        self.fail(what)
+
+    def warned(self, *words):
+        return any(all(word in warning for word in words) for warning in self.warnings)
+
+    def speed(self):
+        return abs(self.latest["ground_truth"].twist.twist.linear.x)
+
+    def test_commands_that_make_no_sense_are_told_and_do_no_harm(self):
+        self.call["set_rate"](1.0)
+        self.command_until(50.0, 0.0, 0.0, lambda: self.warned("cmd_vel", "50", "clamped"), "not told of the clamping")
+        self.assertLess(self.speed(), 1.6)
+        self.call["reset"]()
+        self.command_until(0.3, 0.0, 0.0, lambda: self.speed() > 0.25, "it does not drive")
+        self.command_until(float("nan"), 0.0, 0.0, lambda: self.warned("cmd_vel", "not finite"), "NaN is not told")
+        self.wait_for(lambda: self.speed() < 0.01, "it does not stop at NaN")
+        self.command_until(0.0, 0.3, 0.0, lambda: self.warned("cmd_vel", "cannot do"), "not told of the motion to the left")
+        truth = self.latest["ground_truth"]
+        self.assertLess(abs(truth.twist.twist.linear.y), 0.01)
+        self.assertFalse(any(math.isnan(v) for v in truth.pose.covariance))
+
+    def test_a_robot_without_commands_stops_and_both_of_two_commanders_are_named(self):
+        self.call["set_rate"](1.0)
+        other = subprocess.Popen(["rostopic", "pub", "-r", "20", "cmd_vel", "geometry_msgs/Twist", "{linear: {x: 0.1}}"],
+                                 stdout=subprocess.DEVNULL)
+        try:
+            self.command_until(0.2, 0.0, 0.0, lambda: self.warned("rostopic", rospy.get_name(), "the last wins"),
+                               "not told of two commanders")
+        finally:
+            other.terminate()
+            other.wait()
+        self.wait_for(lambda: self.speed() < 0.01, "it does not stop")
 
     def test_without_an_answer_the_clock_waits_even_after_a_reset(self):
         self.wait_for(lambda: self.latest["/clock"].clock.to_sec() > 3.0, "the clock does not run")

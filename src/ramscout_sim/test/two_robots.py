@@ -3,8 +3,6 @@
 import os
 import pty
 import subprocess
-import threading
-import unittest
 
 import rospy
 import rostest
@@ -17,51 +15,32 @@ from std_srvs.srv import Empty, SetBool
 from tf2_msgs.msg import TFMessage
 
 from ramscout_sim.srv import InjectFault, SetPose
+from simulator_testing import PATIENCE_S, SimulatorTest
 
-PATIENCE_S = 20.0
 ROBOTS = ("alpha", "beta")
 TOPICS = {"scan": LaserScan, "odom": Odometry, "ground_truth": Odometry, "joint_states": JointState,
           "faults": String, "collision": Bool, "cmd_vel": Twist}
 
 
-class TwoRobots(unittest.TestCase):
+class TwoRobots(SimulatorTest):
     @classmethod
     def setUpClass(cls):
         rospy.init_node("two_robots_test")
-        cls.changed = threading.Condition()
-        cls.latest = {}
         cls.frames = set()
-        for robot in ROBOTS:
-            for topic, kind in TOPICS.items():
-                name = "/%s/%s" % (robot, topic)
-                rospy.Subscriber(name, kind, lambda message, name=name: cls.receive(name, message))
-        for topic in ("/tf", "/tf_static"):
-            rospy.Subscriber(topic, TFMessage, cls.receive_tf)
-        cls.commands = {robot: rospy.Publisher("/%s/cmd_vel" % robot, Twist, queue_size=1) for robot in ROBOTS}
         services = {"pause": SetBool, "reset": Empty}
         for robot in ROBOTS:
             services[robot + "/set_pose"] = SetPose
             services[robot + "/inject_fault"] = InjectFault
-        cls.call = {}
-        for name, kind in services.items():
-            rospy.wait_for_service("/simulator/" + name, PATIENCE_S)
-            cls.call[name] = rospy.ServiceProxy("/simulator/" + name, kind)
-
-    @classmethod
-    def receive(cls, name, message):
-        with cls.changed:
-            cls.latest[name] = message
-            cls.changed.notify_all()
+        cls.connect({"/%s/%s" % (robot, topic): kind for robot in ROBOTS for topic, kind in TOPICS.items()}, services)
+        for topic in ("/tf", "/tf_static"):
+            rospy.Subscriber(topic, TFMessage, cls.receive_tf)
+        cls.commands = {robot: rospy.Publisher("/%s/cmd_vel" % robot, Twist, queue_size=1) for robot in ROBOTS}
 
     @classmethod
     def receive_tf(cls, message):
         with cls.changed:
             cls.frames.update((t.header.frame_id, t.child_frame_id) for t in message.transforms)
             cls.changed.notify_all()
-
-    def wait_for(self, condition, what):
-        with self.changed:
-            self.assertTrue(self.changed.wait_for(condition, PATIENCE_S), what)
 
     def setUp(self):
         self.call["reset"]()

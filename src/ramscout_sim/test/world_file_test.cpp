@@ -78,6 +78,30 @@ TEST(WorldFile, ReadsTheShippedWorldWithAFreeStart) {
   EXPECT_NO_THROW(Physics(testing::shippedRobot(), world, world.start));
 }
 
+double residentMemory_MB() {
+  constexpr double kPage_MB = 4096e-6;
+  std::ifstream stream("/proc/self/statm");
+  double all = 0.0;
+  double resident = 0.0;
+  stream >> all >> resident;
+  return resident * kPage_MB;
+}
+
+TEST(WorldFile, LoadedAHundredTimesTakesNoMoreMemory) {
+  const TemporaryFolder folder;
+  writeMap(drawMap(generateOffice({}).world, 0.37, 0.05), folder / "office");
+  const auto load = [&folder](int times) {
+    for (int i = 0; i < times; ++i) {
+      const World map = readWorld(folder / "office.yaml");
+      EXPECT_GT(map.solids.size(), 10U);
+      RayCaster{map};
+    }
+    return residentMemory_MB();
+  };
+  const double after_ten_MB = load(10);
+  EXPECT_LT(load(100), after_ten_MB + 4.0);
+}
+
 TEST(WorldFile, RefusesBadFilesByElement) {
   const TemporaryFolder folder;
   const auto refusal = [&](const std::string& yaml) {
