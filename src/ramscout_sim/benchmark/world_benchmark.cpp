@@ -63,14 +63,22 @@ unsigned writeStl(const World& world, const std::string& path) {
   return count;
 }
 
-/// From the file to a robot that stands and sees: 59 x 48 m, about 12,000 triangles.
-void loadBuildingMesh(benchmark::State& state) {
+/// 59 x 48 m.
+Office meshedOffice() {
   OfficeParameters parameters;
   parameters.blocks_along_x = 3;
   parameters.blocks_along_y = 3;
-  const Office office = generateOffice(parameters);
-  const std::string path =
-      (std::filesystem::temp_directory_path() / "ramscout_sim_world_benchmark.stl").string();
+  return generateOffice(parameters);
+}
+
+std::string meshPath() {
+  return (std::filesystem::temp_directory_path() / "ramscout_sim_world_benchmark.stl").string();
+}
+
+/// From the file to a robot that stands and sees: about 12,000 triangles.
+void loadBuildingMesh(benchmark::State& state) {
+  const Office office = meshedOffice();
+  const std::string path = meshPath();
   const unsigned triangles = writeStl(office.world, path);
   const double before_mb = residentMegabytes();
   double added_mb = 0.0;
@@ -88,6 +96,23 @@ void loadBuildingMesh(benchmark::State& state) {
   state.counters["total_MB"] = residentMegabytes();
 }
 BENCHMARK(loadBuildingMesh)->Unit(benchmark::kMillisecond);
+
+/// One scan in that mesh, with AVX2 (2) or AVX-512 (3).
+void scanMesh(benchmark::State& state) {
+  const Office office = meshedOffice();
+  writeStl(office.world, meshPath());
+  const RayCaster caster(readWorld(meshPath()), static_cast<InstructionSet>(state.range(0)));
+  std::filesystem::remove(meshPath());
+  const Lidar lidar(LidarParameters(), 1);
+  const SensorPath path{{0},
+                        {Eigen::Translation3d(0.0, 0.0, 0.37) * toIsometry(office.world.start)}};
+  std::uint64_t scan = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(lidar.measure(0, scan++, path, caster));
+}
+BENCHMARK(scanMesh)
+    ->Arg(static_cast<int>(InstructionSet::kAvx2))
+    ->Arg(static_cast<int>(InstructionSet::kAvx512))
+    ->Unit(benchmark::kMicrosecond);
 
 /// One scan from the first corridor of an office with so many blocks a side.
 void scanOffice(benchmark::State& state) {
