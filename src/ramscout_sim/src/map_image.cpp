@@ -3,114 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 #include <stdexcept>
-
-#include "ram_parameters/parameter_reader.hpp"
 
 namespace ramscout_sim {
 namespace {
-
-constexpr int kMaxSide_cells = 16384;
-constexpr double kLargestCoordinate_m = 1e5;
-
-struct Picture {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> pixels;  // row-major, top row first
-};
-
-[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
-  throw std::runtime_error(path + ": " + reason);
-}
-
-/// The next number of a PGM header; comments run from # to the end of the line.
-int readHeaderNumber(std::istream& stream, const std::string& path, int largest) {
-  while (true) {
-    const int next = stream.peek();
-    if (next == '#') {
-      stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-    } else if (next != EOF && std::isspace(next)) {
-      stream.get();
-    } else {
-      break;
-    }
-  }
-  int value = 0;
-  if (!(stream >> value) || value < 1 || value > largest) {
-    refuse(path, "the PGM header must hold width, height (1 to " + std::to_string(kMaxSide_cells) +
-                     ") and a largest value of 1 to 255");
-  }
-  return value;
-}
-
-Picture readPgm(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) refuse(path, "cannot be opened");
-  char magic[2] = {};
-  stream.read(magic, 2);
-  if (!stream || magic[0] != 'P' || magic[1] != '5') refuse(path, "not a binary PGM (magic P5)");
-  Picture picture;
-  picture.width = readHeaderNumber(stream, path, kMaxSide_cells);
-  picture.height = readHeaderNumber(stream, path, kMaxSide_cells);
-  const int largest = readHeaderNumber(stream, path, 255);
-  stream.get();
-  const std::size_t size = static_cast<std::size_t>(picture.width) * picture.height;
-  std::error_code error;
-  if (std::filesystem::file_size(path, error) < size || error)
-    refuse(path, "ends before its last pixel");
-  picture.pixels.resize(size);
-  stream.read(reinterpret_cast<char*>(picture.pixels.data()), static_cast<std::streamsize>(size));
-  if (!stream) refuse(path, "ends before its last pixel");
-  if (largest != 255) {
-    for (std::uint8_t& pixel : picture.pixels) {
-      pixel = static_cast<std::uint8_t>(std::min<int>(pixel, largest) * 255 / largest);
-    }
-  }
-  return picture;
-}
-
-struct MapHeader {
-  std::string image;
-  double resolution = 0.0;
-  std::vector<double> origin;
-  double occupied_thresh = 0.65;
-  double free_thresh = 0.196;
-  int negate = 0;
-  std::string mode = "trinary";
-};
-
-MapHeader readMapHeader(const std::string& path) {
-  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
-  MapHeader header;
-  reader.read("image", header.image);
-  reader.read("resolution", header.resolution);
-  reader.read("origin", header.origin);
-  reader.read("occupied_thresh", header.occupied_thresh);
-  reader.read("free_thresh", header.free_thresh);
-  reader.read("negate", header.negate);
-  reader.read("mode", header.mode);
-  reader.rejectUnknown();
-  if (header.image.empty()) refuse(path, "image: the name of a PGM file is missing");
-  if (!(header.resolution > 0.0 && header.resolution <= 10.0)) {
-    refuse(path, "resolution: must be in (0, 10] m, got " + std::to_string(header.resolution));
-  }
-  if (header.origin.size() != 3) refuse(path, "origin: must be [x, y, yaw]");
-  for (const double value : header.origin) {
-    if (!(std::abs(value) <= kLargestCoordinate_m))
-      refuse(path, "origin: " + std::to_string(value) + " is beyond 100 km");
-  }
-  if (!(0.0 <= header.free_thresh && header.free_thresh < header.occupied_thresh &&
-        header.occupied_thresh <= 1.0)) {
-    refuse(path, "free_thresh and occupied_thresh: must satisfy 0 <= free < occupied <= 1");
-  }
-  if (header.negate != 0 && header.negate != 1) refuse(path, "negate: must be 0 or 1");
-  if (header.mode != "trinary" && header.mode != "scale")
-    refuse(path, "mode: must be trinary or scale");
-  return header;
-}
 
 /// Whether the solid, grown sideways by the margin, contains the point.
 bool covers(const Solid& solid, const Eigen::Vector3d& point, double margin_m) {
@@ -200,54 +96,6 @@ void floodFill(std::size_t start, MapImage& map) {
 
 }  // namespace
 
-MapImage readMap(const std::string& yaml_path) {
-  const MapHeader header = readMapHeader(yaml_path);
-  std::filesystem::path image = header.image;
-  if (image.is_relative()) image = std::filesystem::path(yaml_path).parent_path() / image;
-  const Picture picture = readPgm(image.string());
-  MapImage map;
-  map.width_cells = picture.width;
-  map.height_cells = picture.height;
-  map.resolution_m = header.resolution;
-  map.world_from_map = {header.origin[0], header.origin[1], header.origin[2]};
-  map.cells.reserve(picture.pixels.size());
-  for (int row = picture.height - 1; row >= 0; --row) {
-    for (int column = 0; column < picture.width; ++column) {
-      const double grey =
-          picture.pixels[static_cast<std::size_t>(row) * picture.width + column] / 255.0;
-      const double occupied = header.negate != 0 ? grey : 1.0 - grey;
-      map.cells.push_back(occupied > header.occupied_thresh ? Cell::kOccupied
-                          : occupied < header.free_thresh   ? Cell::kFree
-                                                            : Cell::kUnknown);
-    }
-  }
-  return map;
-}
-
-void writeMap(const MapImage& map, const std::string& path_without_suffix) {
-  const std::string pgm_path = path_without_suffix + ".pgm";
-  std::ofstream pgm(pgm_path, std::ios::binary);
-  pgm << "P5\n" << map.width_cells << ' ' << map.height_cells << "\n255\n";
-  for (int row = map.height_cells - 1; row >= 0; --row) {
-    for (int column = 0; column < map.width_cells; ++column) {
-      const Cell cell = map.at(column, row);
-      pgm.put(static_cast<char>(cell == Cell::kFree ? 254 : cell == Cell::kOccupied ? 0 : 205));
-    }
-  }
-  pgm.close();
-  if (!pgm) refuse(pgm_path, "cannot be written");
-
-  const std::string yaml_path = path_without_suffix + ".yaml";
-  std::ofstream yaml(yaml_path);
-  yaml.precision(17);
-  yaml << "image: " << std::filesystem::path(pgm_path).filename().string()
-       << "\nresolution: " << map.resolution_m << "\norigin: [" << map.world_from_map.x_m << ", "
-       << map.world_from_map.y_m << ", " << map.world_from_map.yaw_rad
-       << "]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n";
-  yaml.close();
-  if (!yaml) refuse(yaml_path, "cannot be written");
-}
-
 std::vector<Solid> extrude(const MapImage& map, double height_m) {
   std::vector<bool> taken(map.cells.size(), false);
   const auto wanted = [&](int column, int row) {
@@ -293,7 +141,7 @@ MapImage drawMap(const World& world, double height_m, double resolution_m) {
   map.world_from_map.x_m = std::floor((bounds.min().x() - kMargin_m) / resolution_m) * resolution_m;
   map.world_from_map.y_m = std::floor((bounds.min().y() - kMargin_m) / resolution_m) * resolution_m;
   const Eigen::Vector3d extent = bounds.sizes();
-  if (extent.head<2>().maxCoeff() + 2.0 * kMargin_m > kMaxSide_cells * resolution_m) {
+  if (extent.head<2>().maxCoeff() + 2.0 * kMargin_m > kLargestMapSide_cells * resolution_m) {
     throw std::invalid_argument(
         "the map of this world would have more than 16384 cells on a side; take a larger "
         "resolution_m");

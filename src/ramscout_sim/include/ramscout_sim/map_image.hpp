@@ -10,6 +10,8 @@
 
 namespace ramscout_sim {
 
+constexpr int kLargestMapSide_cells = 16384;
+
 enum class Cell : std::uint8_t { kFree, kOccupied, kUnknown };
 
 /// A floor plan as map_server has it.
