@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_feature_detector/polar_grid_matcher.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "ramscout_feature_detector/polar_grid.hpp"
+
+#include "ratio_table.hpp"
 
 namespace ramscout_feature_detector {
 namespace {
@@ -13,8 +12,6 @@ struct GridDescriptor : ram_slam::FeatureMatcher::Descriptor {
   explicit GridDescriptor(const PolarGrid& described) : grid(described) {}
   ComparableGrid grid;
 };
-
-constexpr double kStep = 0.02;
 
 }  // namespace
 
@@ -31,11 +28,7 @@ double PolarGridMatcher::logLikelihoodRatio(const Descriptor& a, const Descripto
   if (first == nullptr || second == nullptr) return 0.0;
   const auto distance = first->grid.distance(second->grid);
   if (!distance) return 0.0;
-  const double place = *distance / kStep;
-  const auto before = std::min(static_cast<std::size_t>(place), ratios_.size() - 1);
-  const auto after = std::min(before + 1, ratios_.size() - 1);
-  const double fraction = place - static_cast<double>(before);
-  return ratios_[before] + fraction * (ratios_[after] - ratios_[before]);
+  return ratioAt(*distance, ratios_);
 }
 
 }  // namespace ramscout_feature_detector

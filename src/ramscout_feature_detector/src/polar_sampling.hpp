@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/pose2.hpp"
+#include "ramscout_feature_detector/polar_grid.hpp"
+
+namespace ramscout_feature_detector {
+
+/// What one scan says about the cells of a polar grid, from two by two samples in each of them.
+class PolarSampling {
+public:
+  /// \param radii_m  of the samples, two for each ring, ascending; sector 0 is centred on the axis
+  /// \param half_pitches_m  for each ring: half the distance between its samples' radii
+  PolarSampling(const std::vector<double>& radii_m,
+                const std::vector<double>& half_pitches_m,
+                int sectors);
+
+  /// The states of all cells, ring by ring from the inside.
+  /// \param cells  as many as there are
+  void sample(const ram_slam::Pose2& laser_from_grid,
+              const ram_slam::LaserScan& scan,
+              PolarGrid::Cell* cells) const;
+
+private:
+  int sectors_;
+  std::vector<double> half_pitches_m_;
+  std::vector<double> x_m_, y_m_;  ///< of the samples, cell by cell
+};
+
+}  // namespace ramscout_feature_detector
