@@ -147,45 +147,18 @@ bool isBent(const Contour& contour, std::size_t first, std::size_t last, double 
   return false;
 }
 
-/// A straight run of points of the contour.
-struct Leg {
-  std::size_t first;
-  std::size_t last;
-  LineFit line;
-};
-
-/// The points of the contour within a distance before the split, or after it.
-std::optional<Leg> legOf(const Contour& contour, std::size_t split, bool before, double length_m) {
-  std::size_t first = split + 1;
-  std::size_t last = split;
+/// The points of the contour within a distance before one, or after it, itself included.
+std::optional<Leg> legOf(const Contour& contour, std::size_t end, bool before, double length_m) {
+  std::size_t first = end;
+  std::size_t last = end;
   if (before) {
-    first = contour.indexAt(contour.arc_m(split) - length_m);
+    first = contour.indexAt(contour.arc_m(end) - length_m);
   } else {
-    last = contour.indexAt(contour.arc_m(first) + length_m);
-    if (contour.arc_m(last) > contour.arc_m(first) + length_m) --last;
+    last = contour.indexAt(contour.arc_m(end) + length_m);
+    if (contour.arc_m(last) > contour.arc_m(end) + length_m) --last;
   }
   if (last + 1 < first + kSmallestLegPoints) return std::nullopt;
   return Leg{first, last, contour.fit(first, last)};
-}
-
-/// The longest straight leg that ends (before) or begins (after) at the split.
-std::optional<Leg> longestLeg(const Contour& contour,
-                              std::size_t split,
-                              bool before,
-                              const FeatureDetectorParameters& parameters) {
-  std::optional<Leg> longest;
-  for (const double length_m : kLegLengthsM) {
-    if (length_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
-    const auto leg = legOf(contour, split, before, length_m);
-    if (!leg) continue;
-    if (longest && isBent(contour, leg->first, leg->last,
-                          longest->line.noiseVariance(expectedNoise(longest->line, parameters)))) {
-      break;
-    }
-    if (!isStraight(leg->line, parameters)) break;
-    longest = leg;
-  }
-  return longest;
 }
 
 /// Whether the leg is seen up to the corner: else one surface ends in front of another, and the
@@ -252,11 +225,31 @@ std::optional<TwoLineCorner> cross(const LineFit& before,
       0.25 * (before.angleVariance(noise_before_m2) + after.angleVariance(noise_after_m2)) +
       kOrientationModelVarianceRad2;
   corner.cornerness = cornernessOf(before, after);
+  corner.points = std::min(before.count, after.count);
   corner.significance = significanceOf(before, after, parameters);
   return corner;
 }
 
 }  // namespace
+
+std::optional<Leg> longestLeg(const Contour& contour,
+                              std::size_t end,
+                              bool before,
+                              const FeatureDetectorParameters& parameters) {
+  std::optional<Leg> longest;
+  for (const double length_m : kLegLengthsM) {
+    if (length_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
+    const auto leg = legOf(contour, end, before, length_m);
+    if (!leg) continue;
+    if (longest && isBent(contour, leg->first, leg->last,
+                          longest->line.noiseVariance(expectedNoise(longest->line, parameters)))) {
+      break;
+    }
+    if (!isStraight(leg->line, parameters)) break;
+    longest = leg;
+  }
+  return longest;
+}
 
 std::vector<std::size_t> findSplits(const Contour& contour) {
   const std::vector<double> bends_m2 = bendsOf(contour);
@@ -282,7 +275,8 @@ bool isPromising(const Contour& contour,
   std::vector<LineFit> lines_after;
   for (const double length_m : kLegLengthsM) {
     if (length_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
-    if (const auto leg = legOf(contour, split, false, length_m)) lines_after.push_back(leg->line);
+    if (const auto leg = legOf(contour, split + 1, false, length_m))
+      lines_after.push_back(leg->line);
   }
   for (const double length_m : kLegLengthsM) {
     if (length_m < kShortestLineSigmas * parameters.laser_range_sigma) continue;
@@ -299,7 +293,7 @@ std::optional<TwoLineCorner> fitCorner(const Contour& contour,
                                        std::size_t split,
                                        const FeatureDetectorParameters& parameters) {
   const auto before = longestLeg(contour, split, true, parameters);
-  const auto after = longestLeg(contour, split, false, parameters);
+  const auto after = longestLeg(contour, split + 1, false, parameters);
   if (!before || !after) return std::nullopt;
   if (!isBend(before->line, after->line, parameters)) return std::nullopt;
   const auto rough = cross(before->line, after->line, parameters);

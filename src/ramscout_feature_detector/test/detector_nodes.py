@@ -242,7 +242,7 @@ class DetectorNodes(unittest.TestCase):
         self.assertEqual({f.type for f in edges.features}, {"edge"})
         self.assertEqual(len(edges.features), 4)
         for feature in corners.features + edges.features:
-            self.assertTrue(feature.classifier.startswith("pg1:"))
+            self.assertTrue(feature.classifier.startswith({"corner": "pg1:", "edge": "pg2:"}[feature.type]))
             self.assertGreater(feature.pose.covariance[0], 0.0)
             self.assertGreaterEqual(feature.pose.covariance[14], 1e6)  # height is not observed
 

@@ -13,8 +13,10 @@
 
 #include "ramscout_feature_detector/corner_matcher.hpp"
 #include "ramscout_feature_detector/edge_detector.hpp"
+#include "ramscout_feature_detector/edge_matcher.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
 #include "ramscout_feature_detector/polar_grid.hpp"
+#include "ramscout_feature_detector/view_grid.hpp"
 
 // What the fuzzers try with any bytes, and a test with a fixed sequence of them. Aborts on a
 // finding.
@@ -79,27 +81,33 @@ inline ram_slam::LaserScan scanOfBytes(const std::uint8_t* data,
   return scan;
 }
 
-inline void tryScan(const FeatureDetector& corners,
-                    const EdgeDetector& edges,
-                    const ram_slam::LaserScan& scan) {
+/// \tparam Detector  FeatureDetector or EdgeDetector
+template <typename Detector>
+void tryScan(const Detector& detector, const ram_slam::LaserScan& scan) {
   try {
-    requireFinite(corners.detect(scan, {}));
-    requireFinite(edges.detect(scan, {}));
+    requireFinite(detector.detect(scan, {}));
   } catch (const std::invalid_argument&) {
   }
 }
 
-inline void tryClassifier(const std::uint8_t* data, std::size_t size) {
-  static const CornerMatcher matcher;
-  std::string text(reinterpret_cast<const char*>(data), size);
-  if (size > 0 && data[0] % 2 == 0) text = "pg1:8x24:4.0:" + text.substr(1);
+template <typename Matcher, typename Grid>
+void tryText(const std::string& text) {
+  static const Matcher matcher;
   const auto descriptor = matcher.parse(text);
-  const auto grid = PolarGrid::parse(text);
+  const auto grid = Grid::parse(text);
   if ((descriptor != nullptr) != grid.has_value()) std::abort();
   if (!grid) return;
   if (grid->toString() != text) std::abort();
   const double ratio = matcher.logLikelihoodRatio(*descriptor, *descriptor);
   if (!(std::abs(ratio) <= std::log(20.0) + 0.01)) std::abort();
+}
+
+inline void tryClassifier(const std::uint8_t* data, std::size_t size) {
+  std::string text(reinterpret_cast<const char*>(data), size);
+  if (size > 0 && data[0] % 3 == 0) text = "pg1:8x24:4.0:" + text.substr(1);
+  if (size > 0 && data[0] % 3 == 1) text = "pg2:8x48:8.0:" + text.substr(1);
+  tryText<CornerMatcher, PolarGrid>(text);
+  tryText<EdgeMatcher, ViewGrid>(text);
 }
 
 }  // namespace ramscout_feature_detector

@@ -28,7 +28,8 @@ TEST(Fuzz, AnyScanIsRefusedOrYieldsFiniteFeatures) {
       }
     }
     const ram_slam::LaserScan scan = scanOfBytes(data.data(), data.size(), 1000);
-    tryScan(corners, edges, scan);
+    tryScan(corners, scan);
+    tryScan(edges, scan);
     if (data[0] % 4 != 3) found += corners.analyse(scan).corners.size();
   }
   EXPECT_GT(found, 100U);
@@ -37,10 +38,16 @@ TEST(Fuzz, AnyScanIsRefusedOrYieldsFiniteFeatures) {
 TEST(Fuzz, AnyClassifierIsReadOrIgnored) {
   ram_slam::Random random(2);
   for (int i = 0; i < 50000; ++i) {
-    auto data = bytes(random, i % 2 == 0 ? 65 : static_cast<std::size_t>(100.0 * random.uniform()));
+    auto data = bytes(random, i % 2 == 0 ? 65 : static_cast<std::size_t>(200.0 * random.uniform()));
     if (i % 4 == 0) {
       for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>('a' + byte % 26);
       data[0] = 0;
+    }
+    if (i % 8 == 0) {
+      data.resize(133, 'b');
+      data[0] = 1;
+      for (std::size_t j = 1; j < 4; ++j) data[j] = static_cast<std::uint8_t>('1' + data[j] % 9);
+      data[4] = ':';
     }
     tryClassifier(data.data(), data.size());
   }

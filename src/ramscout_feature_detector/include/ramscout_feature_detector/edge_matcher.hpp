@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "ramscout_feature_detector/polar_grid_matcher.hpp"
+#include <memory>
+#include <string>
+
+#include "ram_slam/feature_matcher.hpp"
 
 namespace ramscout_feature_detector {
 
-/// Compares edges, features of type "edge".
-class EdgeMatcher : public PolarGridMatcher {
+/// Compares edges, features of type "edge", by what their surroundings look like (ViewGrid).
+class EdgeMatcher : public ram_slam::FeatureMatcher {
 public:
-  /// Ratios between those measured in two recorded offices, see docs/feature_detector.md.
-  EdgeMatcher() : PolarGridMatcher({3.0, 3.0, 3.0, 3.0, 2.9, 2.0, 0.7, -0.4, -1.0, -1.4}) {}
+  std::shared_ptr<const Descriptor> parse(const std::string& classifier) const override;
+
+  /// Within [-3, 3]: a place looks semi-unique, never more. 0 if too little is seen of both.
+  double logLikelihoodRatio(const Descriptor& a, const Descriptor& b) const override;
 };
 
 }  // namespace ramscout_feature_detector

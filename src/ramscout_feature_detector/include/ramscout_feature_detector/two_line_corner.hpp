@@ -21,8 +21,23 @@ struct TwoLineCorner {
   /// Share of the smaller eigenvalue of the legs' normals' tensor, 1/2 (1 - |cos(opening angle)|),
   /// in [0, 1/2].
   double cornerness = 0.0;
+  int points = 0;             ///< of the leg with fewer
   double significance = 0.0;  ///< chi square (1 dof) of "the legs are one straight line"
 };
+
+/// A straight run of points of a contour.
+struct Leg {
+  std::size_t first;
+  std::size_t last;
+  LineFit line;
+};
+
+/// The longest straight leg (0.1 to 0.8 m) that ends (`before`) or begins at a point, if there is
+/// any.
+std::optional<Leg> longestLeg(const Contour& contour,
+                              std::size_t end,
+                              bool before,
+                              const FeatureDetectorParameters& parameters);
 
 /// Where the contour bends most, each the last point of the first of two legs: the points where two
 /// lines describe the 0.2 m on both sides better than one does, by more than at all the points

@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_feature_detector/edge_fits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "ramscout_feature_detector/two_line_corner.hpp"
+
+namespace ramscout_feature_detector {
+namespace {
+
+constexpr std::size_t kSmallestLinePoints = 3;
+constexpr double kTangentLengthM = 0.2;
+constexpr double kSmallestCosIncidence = 0.3;
+/// A reading within so many standard deviations of a line's prolongation may lie on it.
+constexpr double kContinuationSigmas = 4.0;
+/// Lines through fewer points: noise decided which of them belong to the leg.
+constexpr int kFewPoints = 6;
+/// What a round or ragged edge leaves of the model (2 cm), and what straight legs do, such as
+/// readings in steps of 1 mm (0.5 mm).
+constexpr double kModelVarianceM2 = 4e-4;
+constexpr double kStraightModelVarianceM2 = 2.5e-7;
+constexpr double kOrientationModelVarianceRad2 = 1e-2;
+constexpr double kStraightOrientationModelVarianceRad2 = 1e-5;
+/// Where the middle of a thing is, in widths: of square and round posts from all sides.
+constexpr double kObjectDepthShare = 0.15;
+constexpr double kObjectDepthSigmaShare = 0.1;
+constexpr double kObjectSideSigmaShare = 0.03;
+/// Chi square by which two lines must describe a bend better than one, at the most suitable of many
+/// points.
+constexpr double kCornerGain = 12.0;
+constexpr double kBendGain = 16.0;
+constexpr double kCornerWindowM = 0.2;
+constexpr double kFarthestCrossingM = 0.1;
+
+double square(double x) {
+  return x * x;
+}
+
+/// Variance of the position of a bound between two beams that hit `spacing_m` apart.
+double samplingVariance(double spacing_m) {
+  return square(spacing_m) / 12.0;
+}
+
+Eigen::Vector2d normalOf(const LineFit& line) {
+  return {-line.direction.y(), line.direction.x()};
+}
+
+bool isCertain(const Eigen::Matrix2d& covariance_m2, const EdgeDetectorParameters& parameters) {
+  const double mean = 0.5 * covariance_m2.trace();
+  const double largest = mean + std::sqrt(std::max(mean * mean - covariance_m2.determinant(), 0.0));
+  return largest <= square(parameters.position_sigma_limit);
+}
+
+/// What the fits of straight legs need to know.
+FeatureDetectorParameters legParameters(const EdgeDetectorParameters& parameters) {
+  FeatureDetectorParameters legs;
+  legs.laser_range_sigma = parameters.laser_range_sigma;
+  legs.significance_min = parameters.significance_min;
+  return legs;
+}
+
+/// The run of a surface up to its end and the noise across it.
+struct EndLine {
+  LineFit line;
+  double noise_m2 = 0.0;
+  bool is_straight = false;
+
+  /// Variance of the line's distance from a point in its prolongation.
+  double offsetVariance(const Eigen::Vector2d& point_m) const {
+    const double along_m = line.direction.dot(point_m - line.centroid_m);
+    return noise_m2 * (1.0 / line.count + square(along_m) / line.spread_m2);
+  }
+};
+
+EndLine endLine(const Contour& contour, bool first, const EdgeDetectorParameters& parameters) {
+  const std::size_t end = first ? 0 : contour.size() - 1;
+  EndLine result;
+  if (const auto leg = longestLeg(contour, end, !first, legParameters(parameters))) {
+    result.line = contour.refine(leg->line, leg->first, leg->last);
+    result.is_straight = true;
+  } else if (first) {
+    result.line =
+        contour.fit(0, std::max(contour.indexAt(kTangentLengthM), kSmallestLinePoints - 1));
+  } else {
+    result.line = contour.fit(std::min(contour.indexAt(contour.length_m() - kTangentLengthM),
+                                       contour.size() - kSmallestLinePoints),
+                              end);
+  }
+  const double range_m = result.line.centroid_m.norm();
+  const double cos_incidence =
+      range_m > 0.0 ? std::abs(normalOf(result.line).dot(result.line.centroid_m)) / range_m : 1.0;
+  result.noise_m2 = result.line.noiseVariance(
+      square(parameters.laser_range_sigma * std::max(cos_incidence, kSmallestCosIncidence)));
+  return result;
+}
+
+bool mayContinueAt(const EndLine& end, const Eigen::Vector2d& reading_m) {
+  const double off_m = normalOf(end.line).dot(reading_m - end.line.centroid_m);
+  return square(off_m) <
+         square(kContinuationSigmas) * (end.offsetVariance(reading_m) + end.noise_m2);
+}
+
+/// Where a beam meets a line.
+std::optional<Eigen::Vector2d> crossing(const LineFit& line,
+                                        double bearing_rad,
+                                        double farthest_m) {
+  const Eigen::Vector2d ray(std::cos(bearing_rad), std::sin(bearing_rad));
+  const double range_m = normalOf(line).dot(line.centroid_m) / normalOf(line).dot(ray);
+  if (!(range_m > 0.0 && range_m < farthest_m)) return std::nullopt;
+  return range_m * ray;
+}
+
+Eigen::Vector2d crossing(const LineFit& a, const LineFit& b) {
+  Eigen::Matrix2d normals;
+  normals << normalOf(a).transpose(), normalOf(b).transpose();
+  return normals.inverse() *
+         Eigen::Vector2d(normalOf(a).dot(a.centroid_m), normalOf(b).dot(b.centroid_m));
+}
+
+/// The two arms of a bend at a point.
+struct Arms {
+  LineFit before, after;
+  double angle_rad;
+  double variance_rad2;  ///< of the angle
+};
+
+/// Whether two chords differ in direction by less than half of what a bend asks for: several times
+/// faster than fitting lines.
+bool isNearlyStraight(const Eigen::Vector2d& a,
+                      const Eigen::Vector2d& b,
+                      const EdgeDetectorParameters& parameters) {
+  const double dot = a.dot(b);
+  return dot > 0.0 && square(dot) > square(std::cos(0.5 * parameters.bend_angle)) *
+                                        a.squaredNorm() * b.squaredNorm();
+}
+
+/// \param first, last  the points within bend_scale before and after the point
+std::optional<Arms> armsAt(const Contour& contour,
+                           std::size_t first,
+                           std::size_t i,
+                           std::size_t last,
+                           const EdgeDetectorParameters& parameters) {
+  if (i + 1 < first + kSmallestLinePoints || last + 1 < i + kSmallestLinePoints ||
+      isNearlyStraight(contour[i] - contour[first], contour[last] - contour[i], parameters)) {
+    return std::nullopt;
+  }
+  Arms arms{contour.fit(first, i), contour.fit(i, last), 0.0, 0.0};
+  arms.angle_rad =
+      std::acos(std::clamp(arms.before.direction.dot(arms.after.direction), -1.0, 1.0));
+  if (arms.angle_rad < parameters.bend_angle) return std::nullopt;
+  const double prior_m2 = square(parameters.laser_range_sigma);
+  arms.variance_rad2 = arms.before.angleVariance(arms.before.noiseVariance(prior_m2)) +
+                       arms.after.angleVariance(arms.after.noiseVariance(prior_m2));
+  const double gain_m2 =
+      contour.residual_m2(first, last) - arms.before.residual_m2 - arms.after.residual_m2;
+  if (square(arms.angle_rad) < parameters.significance_min * arms.variance_rad2 ||
+      gain_m2 < kBendGain * prior_m2) {
+    return std::nullopt;
+  }
+  return arms;
+}
+
+std::optional<Edge> bend(const Eigen::Vector2d& turn_m,
+                         const Arms& arms,
+                         double increment_rad,
+                         const EdgeDetectorParameters& parameters) {
+  Edge edge;
+  edge.kind = Edge::Kind::kBend;
+  const Eigen::Vector2d crossing_m = crossing(arms.before, arms.after);
+  edge.position_m = (crossing_m - turn_m).norm() < kFarthestCrossingM ? crossing_m : turn_m;
+  edge.covariance_m2 = (square(parameters.laser_range_sigma) +
+                        samplingVariance(edge.position_m.norm() * increment_rad)) *
+                       Eigen::Matrix2d::Identity();
+  if (!isCertain(edge.covariance_m2, parameters)) return std::nullopt;
+  edge.covariance_m2 += kModelVarianceM2 * Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d bisector = arms.after.direction - arms.before.direction;
+  edge.orientation_rad = std::atan2(bisector.y(), bisector.x());
+  edge.orientation_variance_rad2 = 0.25 * arms.variance_rad2 + kOrientationModelVarianceRad2;
+  return edge;
+}
+
+/// By how much two lines describe the surroundings of a split better than one does.
+double gainAt(const Contour& contour, std::size_t split) {
+  const std::size_t first = contour.indexAt(contour.arc_m(split) - kCornerWindowM);
+  const std::size_t last = contour.indexAt(contour.arc_m(split) + kCornerWindowM);
+  return contour.residual_m2(first, last) - contour.residual_m2(first, split) -
+         contour.residual_m2(split + 1, last);
+}
+
+Edge toEdge(const TwoLineCorner& corner, const Contour& contour) {
+  Edge edge;
+  edge.kind = Edge::Kind::kBend;
+  edge.is_straight = true;
+  edge.position_m = corner.position_m;
+  edge.covariance_m2 = corner.covariance_m2;
+  if (corner.points < kFewPoints) {
+    const double spacing_m = (contour[corner.split + 1] - contour[corner.split]).norm();
+    edge.covariance_m2 += samplingVariance(spacing_m) * Eigen::Matrix2d::Identity();
+  }
+  edge.orientation_rad = corner.orientation_rad;
+  edge.orientation_variance_rad2 = corner.orientation_variance_rad2;
+  return edge;
+}
+
+}  // namespace
+
+Beside beside(const Surface& surface, bool first, const ram_slam::LaserScan& scan) {
+  const std::size_t count = scan.ranges_m.size();
+  Beside result;
+  result.beam = first ? surface.beams.front() : surface.beams.back();
+  if (!isFullTurn(scan) && result.beam == (first ? 0 : count - 1)) return result;
+  result.next = (result.beam + (first ? count - 1 : 1)) % count;
+  const ram_slam::Return seen = scan.at(result.next);
+  result.in_front =
+      seen == ram_slam::Return::kNothing ||
+      (seen == ram_slam::Return::kHit && scan.ranges_m[result.next] > scan.ranges_m[result.beam]);
+  return result;
+}
+
+std::optional<Edge> fitObject(const Surface& surface,
+                              double increment_rad,
+                              const EdgeDetectorParameters& parameters) {
+  const double across_m = (surface.points_m.back() - surface.points_m.front()).norm();
+  const Eigen::Vector2d seen_m = 0.5 * (surface.points_m.back() + surface.points_m.front());
+  const Eigen::Vector2d ray = seen_m.normalized();
+  const Eigen::Vector2d side(-ray.y(), ray.x());
+  const double spacing_m = seen_m.norm() * increment_rad;
+  const double width_m = across_m + spacing_m;
+  Edge edge;
+  edge.kind = Edge::Kind::kObject;
+  edge.covariance_m2 =
+      (square(parameters.laser_range_sigma) / static_cast<double>(surface.points_m.size()) +
+       0.5 * samplingVariance(spacing_m) + kStraightModelVarianceM2) *
+      Eigen::Matrix2d::Identity();
+  if (!isCertain(edge.covariance_m2, parameters)) return std::nullopt;
+  edge.position_m = seen_m + kObjectDepthShare * width_m * ray;
+  edge.covariance_m2 += square(kObjectDepthSigmaShare * width_m) * ray * ray.transpose() +
+                        square(kObjectSideSigmaShare * width_m) * side * side.transpose();
+  return edge;
+}
+
+std::optional<Edge> fitEnd(const Contour& contour,
+                           bool first,
+                           const Beside& beside,
+                           const ram_slam::LaserScan& scan,
+                           const EdgeDetectorParameters& parameters) {
+  const EndLine found = endLine(contour, first, parameters);
+  if (scan.at(beside.next) == ram_slam::Return::kHit &&
+      mayContinueAt(found, scan.end_m(beside.next))) {
+    return std::nullopt;
+  }
+  const double bearing_rad = scan.bearing_rad(beside.beam);
+  const double turn_rad = first ? -scan.angle_increment_rad : scan.angle_increment_rad;
+  const auto last_m = crossing(found.line, bearing_rad, scan.range_max_m);
+  const auto beyond_m = crossing(found.line, bearing_rad + turn_rad, scan.range_max_m);
+  if (!last_m || !beyond_m) return std::nullopt;
+
+  Edge edge;
+  edge.kind = Edge::Kind::kEnd;
+  edge.is_straight = found.is_straight;
+  edge.position_m = 0.5 * (*last_m + *beyond_m);
+  const Eigen::Vector2d step_m = *beyond_m - *last_m;
+  const Eigen::Vector2d ray = edge.position_m.normalized();
+  const double cos_incidence = std::max(std::abs(normalOf(found.line).dot(ray)), 1e-3);
+  edge.covariance_m2 =
+      (found.line.count <= kFewPoints ? 2.0 : 1.0) / 12.0 * step_m * step_m.transpose() +
+      found.offsetVariance(edge.position_m) / square(cos_incidence) * ray * ray.transpose();
+  if (!isCertain(edge.covariance_m2, parameters)) return std::nullopt;
+  edge.covariance_m2 += (found.is_straight ? kStraightModelVarianceM2 : kModelVarianceM2) *
+                        Eigen::Matrix2d::Identity();
+  const Eigen::Vector2d outward =
+      first ? Eigen::Vector2d(-found.line.direction) : found.line.direction;
+  edge.orientation_rad = std::atan2(outward.y(), outward.x());
+  edge.orientation_variance_rad2 =
+      found.line.angleVariance(found.noise_m2) +
+      (found.is_straight ? kStraightOrientationModelVarianceRad2 : kOrientationModelVarianceRad2);
+  return edge;
+}
+
+std::vector<Edge> findCorners(const Contour& contour, const EdgeDetectorParameters& parameters) {
+  const FeatureDetectorParameters legs = legParameters(parameters);
+  std::vector<Edge> corners;
+  for (const std::size_t split : findSplits(contour)) {
+    if (gainAt(contour, split) < kCornerGain * square(parameters.laser_range_sigma) ||
+        !isPromising(contour, split, legs)) {
+      continue;
+    }
+    const auto corner = fitCorner(contour, split, legs);
+    if (!corner || corner->cornerness < legs.corner_threshold ||
+        corner->significance < parameters.significance_min ||
+        !isCertain(corner->covariance_m2, parameters)) {
+      continue;
+    }
+    corners.push_back(toEdge(*corner, contour));
+  }
+  return corners;
+}
+
+std::vector<Edge> findBends(const Contour& contour,
+                            double increment_rad,
+                            const EdgeDetectorParameters& parameters) {
+  std::vector<std::optional<Arms>> arms(contour.size());
+  for (std::size_t i = 0, first = 0, last = 0; i < contour.size(); ++i) {
+    while (contour.arc_m(first) < contour.arc_m(i) - parameters.bend_scale) ++first;
+    while (last + 1 < contour.size() &&
+           contour.arc_m(last + 1) <= contour.arc_m(i) + parameters.bend_scale) {
+      ++last;
+    }
+    arms[i] = armsAt(contour, first, i, last, parameters);
+  }
+  const auto angle = [&](std::size_t i) { return arms[i] ? arms[i]->angle_rad : 0.0; };
+  const double alone_m = 0.5 * parameters.bend_scale;
+  std::vector<Edge> bends;
+  for (std::size_t i = 0; i < contour.size(); ++i) {
+    if (!arms[i]) continue;
+    bool is_sharpest = true;
+    for (std::size_t j = contour.indexAt(contour.arc_m(i) - alone_m);
+         is_sharpest && j < contour.size() && contour.arc_m(j) <= contour.arc_m(i) + alone_m; ++j) {
+      is_sharpest = j < i ? angle(j) < angle(i) : angle(j) <= angle(i);
+    }
+    if (!is_sharpest) continue;
+    if (const auto found = bend(contour[i], *arms[i], increment_rad, parameters)) {
+      bends.push_back(*found);
+    }
+  }
+  return bends;
+}
+
+}  // namespace ramscout_feature_detector
