@@ -62,12 +62,12 @@ void MapSmootherNode::processWaiting() {
         ROS_WARN("time jumped back: smoothing starts anew");
         smoother_ = ram_slam::MapSmoother(parameters_);
         logged_closures_ = optimized_closures_ = 0;
-        published_map_from_odom_ = {};
+        published_corrections_ = 0;
       }
       smoother_.addScan(next->scan, next->base_from_laser, *next->odom_from_base);
       last_stamp_ns_ = next->scan.stamp_ns;
       logNewClosures();
-      if (smoother_.hasMovedSince(published_map_from_odom_)) publish();
+      if (smoother_.correctionCount() != published_corrections_) publish();
     } catch (const std::exception& error) {
       ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "skipped a scan: " << error.what());
     }
@@ -98,7 +98,7 @@ void MapSmootherNode::optimize() {
 }
 
 void MapSmootherNode::publish() {
-  published_map_from_odom_ = smoother_.mapFromOdom();
+  published_corrections_ = smoother_.correctionCount();
   publisher_.publish(toPath(smoother_.trajectory(), parameters_.map_frame));
 }
 

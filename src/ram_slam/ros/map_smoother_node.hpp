@@ -40,7 +40,7 @@ private:
   std::int64_t last_stamp_ns_ = 0;
   std::size_t logged_closures_ = 0;
   std::size_t optimized_closures_ = 0;
-  ram_slam::Pose2 published_map_from_odom_;
+  int published_corrections_ = 0;
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
   ros::Publisher publisher_;

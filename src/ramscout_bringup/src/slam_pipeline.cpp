@@ -182,8 +182,8 @@ std::optional<Pose2> SlamPipeline::wheelsAt(std::int64_t stamp_ns) const {
 }
 
 void SlamPipeline::followSmoother() {
-  if (fast_slam_.lost() || !map_smoother_.hasMovedSince(followed_map_from_odom_)) return;
-  followed_map_from_odom_ = map_smoother_.mapFromOdom();
+  if (fast_slam_.lost() || map_smoother_.correctionCount() == followed_corrections_) return;
+  followed_corrections_ = map_smoother_.correctionCount();
   fast_slam_.followTrajectory(map_smoother_.trajectory());
 }
 

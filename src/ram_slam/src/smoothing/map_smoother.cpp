@@ -22,8 +22,8 @@ constexpr std::size_t kVerifiedCandidates = 3;
 constexpr double kSolveBeyondM =
     0.1;  // a closure that moves the newest pose by more is solved for at once
 constexpr double kSolveBeyondRad = 0.03;
-constexpr double kFollowBeyondM = 0.03;
-constexpr double kFollowBeyondRad = 0.01;
+constexpr double kCorrectionM = 0.03;  // a smaller motion of the newest pose is none
+constexpr double kCorrectionRad = 0.01;
 constexpr double kMinTrust = 0.5;
 constexpr std::size_t kFarthestBack = 4;  // key scans that a new one is aligned with: 1, 2, 4 back
 // A closure is not searched for again so many key scans beside one that is known.
@@ -294,8 +294,13 @@ bool MapSmoother::searchLoops(std::size_t newest, double max_path_m) {
     closure.is_ambiguous = match->is_ambiguous;
     closure.correction_m = correction.translation().norm();
     closures_.push_back(closure);
-    if (closure.correction_m > kSolveBeyondM || std::abs(correction.yaw_rad) > kSolveBeyondRad)
+    if (closure.correction_m > kSolveBeyondM || std::abs(correction.yaw_rad) > kSolveBeyondRad) {
+      const Pose2 before = key_scans_[newest].map_from_laser;
       solveGraph();
+      const Pose2 moved = before.inverse() * key_scans_[newest].map_from_laser;
+      if (moved.translation().norm() > kCorrectionM || std::abs(moved.yaw_rad) > kCorrectionRad)
+        ++correction_count_;
+    }
     found = true;
   }
   return found;
@@ -375,20 +380,6 @@ void MapSmoother::optimize() {
   const std::vector<Pose2> refined =
       refineJointly(key_scans_, priors, parameters_.matcher, parameters_.refinement);
   for (std::size_t i = 0; i < key_scans_.size(); ++i) key_scans_[i].map_from_laser = refined[i];
-}
-
-Pose2 MapSmoother::mapFromOdom() const {
-  if (key_scans_.empty()) return {};
-  return key_scans_.back().map_from_laser * odom_from_laser_.back().inverse();
-}
-
-bool MapSmoother::hasMovedSince(const Pose2& map_from_odom) const {
-  if (scans_.empty()) return false;
-  const Pose2& odom_from_base = scans_.back().odom_from_base;
-  const Pose2 motion =
-      (map_from_odom * odom_from_base).inverse() * (mapFromOdom() * odom_from_base);
-  return motion.translation().norm() > kFollowBeyondM ||
-         std::abs(motion.yaw_rad) > kFollowBeyondRad;
 }
 
 std::vector<StampedPose2> MapSmoother::trajectory() const {

@@ -97,8 +97,8 @@ private:
   std::size_t list_count_ = 0;  ///< of features: readings that the filter was shown
   std::size_t slip_count_ = 0;
   int loop_closures_ = 0;
-  int lost_count_ = 0;                      ///< how often the estimator lost its place
-  ram_slam::Pose2 followed_map_from_odom_;  ///< of the smoother, when the filter followed it last
+  int lost_count_ = 0;            ///< how often the estimator lost its place
+  int followed_corrections_ = 0;  ///< of the smoother, that the filter has followed
   std::map<std::string, int> left_out_;
 };
 

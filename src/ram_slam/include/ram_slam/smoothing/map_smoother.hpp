@@ -93,12 +93,9 @@ public:
   /// The corrected pose of the base at each scan's stamp.
   std::vector<StampedPose2> trajectory() const;
 
-  /// Where the frame of the given trajectory is now, by the newest key scan: how far the given
-  /// trajectory has drifted. The identity before the first scan.
-  Pose2 mapFromOdom() const;
-  /// Whether the robot is elsewhere now than it would be with an earlier mapFromOdom(): by more
-  /// than 3 cm or 0.01 rad. Then whoever follows the smoother should be told.
-  bool hasMovedSince(const Pose2& map_from_odom) const;
+  /// How often a closure has moved the newest pose, by more than 3 cm or 0.01 rad, before
+  /// optimize(). Whoever follows the smoother should be told the trajectory when this has grown.
+  int correctionCount() const { return correction_count_; }
 
   const std::vector<LoopClosure>& closures() const { return closures_; }
 
@@ -155,6 +152,7 @@ private:
   std::vector<LoopClosure> closures_;
   std::vector<FailedSearch> failed_searches_;
   double searched_path_m_ = 0.0;
+  int correction_count_ = 0;
 };
 
 }  // namespace ram_slam
