@@ -23,8 +23,10 @@ void compare(const FieldOfView& view,
              const std::vector<Eigen::Vector2d>& surface_m,
              const Pose2& view_from_surface,
              Agreement& sum) {
+  const Eigen::Matrix2d rotation = view_from_surface.rotation();
+  const Eigen::Vector2d origin_m = view_from_surface.translation();
   for (const Eigen::Vector2d& point_m : surface_m) {
-    const Sight sight = view.look(view_from_surface * point_m);
+    const Sight sight = view.look(origin_m + rotation * point_m);
     if (sight == Sight::kVisible) ++sum.agreeing;
     if (sight == Sight::kEmpty) ++sum.contradicting;
   }
@@ -32,29 +34,30 @@ void compare(const FieldOfView& view,
 
 }  // namespace
 
+const std::vector<Eigen::Vector2d>& FieldOfView::surface_m() const {
+  static const std::vector<Eigen::Vector2d> kNone;
+  return kNone;
+}
+
 LaserView::LaserView(const LaserScan& scan, const Pose2& base_from_laser)
     : scan_(scan),
-      laser_from_base_(base_from_laser.inverse()),
-      base_to_laser_m_(base_from_laser.translation().norm()) {
+      base_from_laser_rotation_(base_from_laser.rotation()),
+      base_from_laser_m_(base_from_laser.translation()) {
   scan_.validate();
+  const std::size_t step = std::max<std::size_t>(1, scan_.ranges_m.size() / kSurfacePoints);
+  for (std::size_t i = 0; i < scan_.ranges_m.size(); i += step) {
+    if (scan_.at(i) == Return::kHit)
+      surface_m_.push_back(base_from_laser_m_ + base_from_laser_rotation_ * scan_.end_m(i));
+  }
 }
 
 double LaserView::range_m() const {
-  return scan_.range_max_m + base_to_laser_m_;
-}
-
-std::vector<Eigen::Vector2d> LaserView::surface_m() const {
-  const Pose2 base_from_laser = laser_from_base_.inverse();
-  const std::size_t step = std::max<std::size_t>(1, scan_.ranges_m.size() / kSurfacePoints);
-  std::vector<Eigen::Vector2d> points_m;
-  for (std::size_t i = 0; i < scan_.ranges_m.size(); i += step) {
-    if (scan_.at(i) == Return::kHit) points_m.push_back(base_from_laser * scan_.end_m(i));
-  }
-  return points_m;
+  return scan_.range_max_m + base_from_laser_m_.norm();
 }
 
 Sight LaserView::look(const Eigen::Vector2d& point_in_base_m) const {
-  const Eigen::Vector2d point = laser_from_base_ * point_in_base_m;
+  const Eigen::Vector2d point =
+      base_from_laser_rotation_.transpose() * (point_in_base_m - base_from_laser_m_);
   const double range_m = point.norm();
   if (range_m < scan_.range_min_m || range_m > scan_.range_max_m - kMarginAtMaximumRange_m) {
     return Sight::kHidden;

@@ -29,7 +29,7 @@ public:
   virtual double range_m() const = 0;
   /// Some of the points at which the sensor saw something, spread evenly over the view; none if the
   /// sensor cannot tell.
-  virtual std::vector<Eigen::Vector2d> surface_m() const { return {}; }
+  virtual const std::vector<Eigen::Vector2d>& surface_m() const;
 };
 
 /// The share of what two views both know about that they contradict each other in, if the base
@@ -47,12 +47,13 @@ public:
   LaserView(const LaserScan& scan, const Pose2& base_from_laser);
   Sight look(const Eigen::Vector2d& point_in_base_m) const override;
   double range_m() const override;
-  std::vector<Eigen::Vector2d> surface_m() const override;
+  const std::vector<Eigen::Vector2d>& surface_m() const override { return surface_m_; }
 
 private:
   LaserScan scan_;
-  Pose2 laser_from_base_;
-  double base_to_laser_m_ = 0.0;
+  Eigen::Matrix2d base_from_laser_rotation_;
+  Eigen::Vector2d base_from_laser_m_;
+  std::vector<Eigen::Vector2d> surface_m_;
 };
 
 }  // namespace ram_slam
