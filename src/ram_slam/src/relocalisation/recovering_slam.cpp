@@ -12,7 +12,6 @@ namespace {
 constexpr std::int64_t kMemoryEveryNs = 1'000'000'000;
 constexpr std::int64_t kMemoryAgeNs = 3'000'000'000;  // a copy this old is from before the trouble
 constexpr std::int64_t kViewEveryNs = 90'000'000;
-constexpr std::int64_t kOldestViewNs = 700'000'000;
 constexpr std::int64_t kOldestReferenceNs = 1'000'000'000;
 constexpr std::int64_t kNewestReferenceNs = 450'000'000;
 constexpr std::int64_t kContradictingForNs = 200'000'000;
@@ -158,17 +157,8 @@ void RecoveringSlam::update(const FeatureList& list,
 
 bool RecoveringSlam::isDiscontinuous(const View& now) {
   if (now.view == nullptr) return false;
-  const auto reference = std::find_if(views_.rbegin(), views_.rend(), [&now](const View& other) {
-    return other.stamp_ns <= now.stamp_ns - kNewestReferenceNs;
-  });
-  if (reference == views_.rend() || reference->stamp_ns < now.stamp_ns - kOldestReferenceNs) {
-    contradicting_since_ns_ = 0;
-    return false;
-  }
-  const auto share = discontinuity(*reference->view, *now.view,
-                                   reference->local_from_base.inverse() * now.local_from_base);
-  if (!share) return false;
-  if (*share <= kSuspicious * parameters_.lost.discontinuity) {
+  const std::optional<double> share = discontinuityOfLate(now);
+  if (!share || *share <= kSuspicious * parameters_.lost.discontinuity) {
     contradicting_since_ns_ = 0;
     return false;
   }
@@ -178,6 +168,19 @@ bool RecoveringSlam::isDiscontinuous(const View& now) {
   if (now.stamp_ns > suspicious_until_ns_) detector_.clear();  // only what comes now counts
   suspicious_until_ns_ = now.stamp_ns + kSuspiciousForNs;
   return false;
+}
+
+std::optional<double> RecoveringSlam::discontinuityOfLate(const View& now) const {
+  std::optional<double> least;
+  for (const View& then : views_) {
+    if (then.stamp_ns > now.stamp_ns - kNewestReferenceNs) break;
+    if (then.stamp_ns < now.stamp_ns - kOldestReferenceNs) continue;
+    const auto share =
+        discontinuity(*then.view, *now.view, then.local_from_base.inverse() * now.local_from_base);
+    if (share) least = std::min(*share, least.value_or(1.0));
+    if (least && *least <= kSuspicious * parameters_.lost.discontinuity) break;
+  }
+  return least;
 }
 
 bool RecoveringSlam::contradictsMap(const View& now) {
@@ -220,7 +223,7 @@ bool RecoveringSlam::isDrift(const View& now) const {
 void RecoveringSlam::addView(View view) {
   if (view.view == nullptr) return;
   if (!views_.empty() && view.stamp_ns < views_.back().stamp_ns + kViewEveryNs) return;
-  while (!views_.empty() && views_.front().stamp_ns < view.stamp_ns - kOldestViewNs)
+  while (!views_.empty() && views_.front().stamp_ns < view.stamp_ns - kOldestReferenceNs)
     views_.pop_front();
   views_.push_back(std::move(view));
 }

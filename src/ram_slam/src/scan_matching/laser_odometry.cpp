@@ -22,7 +22,9 @@ constexpr int kSearchLevels = 4;
 constexpr std::size_t kSearchPoints = 150;
 constexpr double kMinSearchScore = 0.35;
 constexpr double kWideSearchAngleRad =
-    3.2;  // all round, when a search about the prediction has failed
+    3.2;                            // all round, when a search about the prediction has failed
+constexpr double kIntervalM = 0.3;  // over which the bias of the wheels shows
+constexpr double kIntervalRad = 0.3;
 constexpr double kWeakPriorFactor = 100.0;  // by which the variance of disbelieved wheels grows
 
 using ram_parameters::require;
@@ -175,6 +177,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
     if (key_scans_.size() > static_cast<std::size_t>(parameters_.key_scan_count))
       key_scans_.pop_front();
   }
+  learnBias(estimate, odom_from_base);
   last_interval_s_ = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
   last_wheels_ = odom_from_base;
   last_ = estimate;
@@ -188,7 +191,7 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
   double deviation_m = 0.0;
   double deviation_rad = 0.0;
   if (odom_from_base && last_wheels_) {
-    prediction.motion = last_wheels_->inverse() * *odom_from_base;
+    prediction.motion = wheel_bias_.corrected(last_wheels_->inverse() * *odom_from_base);
     const double distance_m = prediction.motion.translation().norm();
     deviation_m = parameters_.wheel_rest_deviation_m +
                   parameters_.wheel_distance_deviation_m_per_m * distance_m;
@@ -244,6 +247,19 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
     }
   }
   return best;
+}
+
+void LaserOdometry::learnBias(const LaserOdometryEstimate& estimate,
+                              const std::optional<Pose2>& wheels) {
+  const bool trusted =
+      wheels && !estimate.wheels_slipped && estimate.inlier_ratio >= parameters_.lost_inlier_ratio;
+  if (trusted && interval_) {
+    const Pose2 told = interval_->wheels.inverse() * *wheels;
+    if (told.translation().norm() < kIntervalM && std::abs(told.yaw_rad) < kIntervalRad) return;
+    wheel_bias_.add(told, interval_->observed.inverse() * estimate.odom_from_base.pose);
+  }
+  interval_.reset();
+  if (trusted) interval_ = Interval{*wheels, estimate.odom_from_base.pose};
 }
 
 std::optional<Pose2> LaserOdometry::search(const SurfaceScan& surfaces,

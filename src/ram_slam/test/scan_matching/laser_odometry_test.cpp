@@ -123,6 +123,18 @@ TEST(LaserOdometry, CarriesOnWithTheWheelsWhenNothingIsInSight) {
   EXPECT_EQ(last.inlier_ratio, 0.0);
 }
 
+TEST(LaserOdometry, GoesStraightOnWithUnequalWheelsOnceItHasSeenWhatTheyDo) {
+  const Walls walls = {{{-10, -1}, {15, -1}}, {{-10, 1}, {15, 1}}, {{14, -1}, {14, -0.8}}};
+  const auto truth = [](int i) { return Pose2{0.1 * i, 0.0, 0.0}; };
+  const auto wheels = [](int i) {
+    return std::optional<Pose2>(exponential({0.1 * i, 0.0, -0.005 * i}));
+  };
+  const auto beyond = [&](int i) { return run(walls, i, truth, wheels).odom_from_base.pose; };
+  // The wheels turn by 0.5 rad over the last 10 m, where nothing is in sight.
+  EXPECT_NEAR(beyond(160).yaw_rad, 0.0, 0.01);
+  EXPECT_NEAR(beyond(260).yaw_rad, 0.0, 0.05);
+}
+
 TEST(LaserOdometry, CovarianceCoversTheErrorOfNoisyScans) {
   TestLaser laser;
   laser.range_deviation_m = 0.02;

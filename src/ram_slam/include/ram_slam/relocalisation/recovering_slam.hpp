@@ -105,6 +105,9 @@ private:
   void search(const FeatureList& list, const PoseWithCovariance2& moved, const View& now);
   /// Whether this view and one a little older show different places.
   bool isDiscontinuous(const View& now);
+  /// The least share of contradiction between this view and those somewhat older: one scan that was
+  /// placed wrongly contradicts all others, which says nothing about where the robot is now.
+  std::optional<double> discontinuityOfLate(const View& now) const;
   bool isFalseAlarm(const View& now);
   /// Whether a robot that the map contradicts is where its odometry leads, after all.
   bool odometryIsRight(const View& now);

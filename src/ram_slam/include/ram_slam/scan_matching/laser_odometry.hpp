@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/calibration/wheel_bias.hpp"
 #include "ram_slam/laser_scan.hpp"
 #include "ram_slam/pose2.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
@@ -66,7 +67,7 @@ struct LaserOdometryEstimate {
 ///
 /// Where the scan says nothing (along a corridor, in an empty hall) the wheels, or constant speed,
 /// carry the pose on and the covariance says so. Where the scan contradicts the wheels (slip), the
-/// scan wins.
+/// scan wins. What the wheels get wrong again and again is learned (WheelBias) and taken out before.
 class LaserOdometry {
 public:
   /// \throws std::invalid_argument as LaserOdometryParameters::validate()
@@ -85,6 +86,11 @@ private:
     SurfaceScan surfaces;
     Pose2 odom_from_laser;
   };
+  /// A motion of which both wheels and scans tell, from where it began.
+  struct Interval {
+    Pose2 wheels;
+    Pose2 observed;
+  };
   struct Prediction {
     Pose2 motion;
     Eigen::Matrix3d covariance =
@@ -99,12 +105,16 @@ private:
   std::optional<Pose2> search(const SurfaceScan& surfaces,
                               const Pose2& odom_from_laser,
                               double angle_rad) const;
+  /// Teaches the bias of the wheels, once the robot has moved far enough since the last time.
+  void learnBias(const LaserOdometryEstimate& estimate, const std::optional<Pose2>& wheels);
   std::vector<ReferenceScan> references() const;
   bool isKeyScan(const Pose2& odom_from_laser, double inlier_ratio) const;
 
   LaserOdometryParameters parameters_;
   std::deque<KeyScan> key_scans_;
   std::optional<Pose2> last_wheels_;
+  WheelBias wheel_bias_;
+  std::optional<Interval> interval_;  ///< that goes on
   LaserOdometryEstimate last_;
   double last_interval_s_ = 0.0;
 };
