@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <boost/timer/progress_display.hpp>
+#include <ram_parameters/require.hpp>
 #include <ram_slam/ros/conversions.hpp>
 
 #include "ramscout_bringup/evaluation.hpp"
@@ -25,14 +26,10 @@ ram_slam::StampedPose2 toStampedPose(const std_msgs::Header& header,
   return {ram_slam_ros::toNanoseconds(header.stamp), ram_slam_ros::toPose2(pose)};
 }
 
-void requirePositive(const char* name, double value) {
-  if (!(value > 0.0))
-    throw std::invalid_argument(std::string(name) + " must be > 0, got " + std::to_string(value));
-}
-
 }  // namespace
 
 void ResultsRecorderParameters::validate() const {
+  using ram_parameters::requirePositive;
   if (output.empty()) throw std::invalid_argument("output must name the folder to write to");
   requirePositive("max_position_error_m", max_position_error_m);
   requirePositive("max_yaw_error_rad", max_yaw_error_rad);

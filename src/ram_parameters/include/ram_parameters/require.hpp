@@ -16,4 +16,9 @@ inline void require(bool condition,
   throw std::invalid_argument(parameter + " must be " + bound + ", got " + std::to_string(value));
 }
 
+/// \throws std::invalid_argument unless `value` > 0
+inline void requirePositive(const std::string& parameter, double value) {
+  require(value > 0.0, parameter, value, "> 0");
+}
+
 }  // namespace ram_parameters

@@ -3,27 +3,23 @@
 
 #include <limits>
 #include <stdexcept>
+#include <string>
+
+#include "ram_parameters/require.hpp"
 
 namespace ram_slam {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-void require(bool good, const char* name, double value, const std::string& bound) {
-  if (good) return;
-  throw std::invalid_argument(std::string(name) + " must be " + bound + ", got " +
-                              std::to_string(value));
-}
+using ram_parameters::require;
+using ram_parameters::requirePositive;
 
 void requireWithin(const char* name, double value, double lowest, double highest) {
   std::string bound = ">= " + std::to_string(lowest);
   if (highest < kInfinity)
     bound = "in [" + std::to_string(lowest) + ", " + std::to_string(highest) + "]";
   require(lowest <= value && value <= highest, name, value, bound);
-}
-
-void requirePositive(const char* name, double value) {
-  require(value > 0.0, name, value, "> 0");
 }
 
 FastSlamMode toMode(const std::string& name) {

@@ -6,8 +6,6 @@
 #include <set>
 #include <utility>
 
-#include "ram_slam/scan_matching/correlative_search.hpp"
-
 namespace ram_slam {
 namespace {
 
@@ -34,6 +32,14 @@ constexpr std::size_t kMostCandidates = 12;
 constexpr std::size_t kMostViews = 12;  // the newest, of the way driven
 constexpr std::size_t kMostPoints = 160;
 
+void appendSurfaces(const FieldOfView& view,
+                    const Pose2& target_from_base,
+                    std::vector<Eigen::Vector2f>& points) {
+  const Eigen::Matrix2d rotation = target_from_base.rotation();
+  for (const Eigen::Vector2d& point_m : view.surface_m())
+    points.push_back((target_from_base.translation() + rotation * point_m).cast<float>());
+}
+
 }  // namespace
 
 void MapViews::add(std::int64_t stamp_ns,
@@ -46,10 +52,18 @@ void MapViews::add(std::int64_t stamp_ns,
     return away.translation().squaredNorm() < kSamePlace_m * kSamePlace_m &&
            std::abs(away.yaw_rad) < kSamePlace_rad;
   });
-  if (!known) places_.push_back({stamp_ns, map_from_base, std::move(view), path_m});
+  if (known) return;
+  places_.push_back({stamp_ns, map_from_base, std::move(view), path_m});
+  surfaces_.reset();
+}
+
+void MapViews::clear() {
+  places_.clear();
+  surfaces_.reset();
 }
 
 void MapViews::follow(const Trajectory& path) {
+  surfaces_.reset();
   std::vector<Place> kept;
   for (Place& place : places_) {
     const std::optional<Pose2> pose = poseAt(path, place.stamp_ns);
@@ -158,30 +172,29 @@ Pose2 MapViews::refined(const std::vector<LocalConstellation::PlacedView>& views
 std::vector<Pose2> MapViews::candidates(
     const std::vector<LocalConstellation::PlacedView>& views) const {
   std::vector<Eigen::Vector2f> seen;
-  for (std::size_t i = views.size() - std::min(views.size(), kMostViews); i < views.size(); ++i) {
-    for (const Eigen::Vector2d& point_m : views[i].view->surface_m())
-      seen.push_back((views[i].base_from_then * point_m).cast<float>());
+  for (std::size_t i = views.size() - std::min(views.size(), kMostViews); i < views.size(); ++i)
+    appendSurfaces(*views[i].view, views[i].base_from_then, seen);
+  if (!surfaces_) {
+    std::vector<Eigen::Vector2f> known;
+    for (const Place& place : places_) appendSurfaces(*place.view, place.map_from_base, known);
+    if (!known.empty()) surfaces_.emplace(known, kResolution_m, kDeviation_m, kLevels);
   }
-  std::vector<Eigen::Vector2f> known;
-  std::set<std::pair<int, int>> tiles;
-  for (const Place& place : places_) {
-    for (const Eigen::Vector2d& point_m : place.view->surface_m())
-      known.push_back((place.map_from_base * point_m).cast<float>());
-    tiles.insert({static_cast<int>(std::floor(place.map_from_base.x_m / kTile_m)),
-                  static_cast<int>(std::floor(place.map_from_base.y_m / kTile_m))});
-  }
-  if (seen.empty() || known.empty()) return {};
+  if (seen.empty() || !surfaces_) return {};
   const std::size_t stride = (seen.size() + kMostPoints - 1) / kMostPoints;
   std::vector<Eigen::Vector2f> some;
   for (std::size_t i = 0; i < seen.size(); i += stride) some.push_back(seen[i]);
+  std::set<std::pair<int, int>> tiles;
+  for (const Place& place : places_) {
+    tiles.insert({static_cast<int>(std::floor(place.map_from_base.x_m / kTile_m)),
+                  static_cast<int>(std::floor(place.map_from_base.y_m / kTile_m))});
+  }
 
-  const LikelihoodPyramid pyramid(known, kResolution_m, kDeviation_m, kLevels);
   const SearchWindow window{0.5 * kTile_m, M_PI, kAngleStep_rad};
   std::vector<CorrelativeMatch> found;
   double best = kLeastFit;
   for (const auto& [column, row] : tiles) {
     const Pose2 centre{(column + 0.5) * kTile_m, (row + 0.5) * kTile_m, 0.0};
-    const auto match = searchPose(pyramid, some, centre, window, kNearBestFit * best);
+    const auto match = searchPose(*surfaces_, some, centre, window, kNearBestFit * best);
     if (!match) continue;
     best = std::max(best, match->score);
     found.push_back(*match);

@@ -28,10 +28,7 @@ constexpr double kIntervalRad = 0.3;
 constexpr double kWeakPriorFactor = 100.0;  // by which the variance of disbelieved wheels grows
 
 using ram_parameters::require;
-
-void requirePositive(const char* name, double value) {
-  require(value > 0.0, name, value, "> 0");
-}
+using ram_parameters::requirePositive;
 
 /// A covariance of (x, y, yaw) turned into the axes of a frame that the first one is rotated in.
 Eigen::Matrix3d rotate(const Eigen::Matrix3d& covariance, double yaw_rad) {
@@ -93,18 +90,7 @@ LaserOdometryParameters readLaserOdometryParameters(ram_parameters::ParameterRea
   reader.read("odom_frame", parameters.odom_frame);
   reader.read("base_frame", parameters.base_frame);
   reader.read("use_wheels", parameters.use_wheels);
-  reader.read("neighbour_count", parameters.surfaces.neighbour_count);
-  reader.read("max_gap_m", parameters.surfaces.max_gap_m);
-  reader.read("max_line_deviation_m", parameters.surfaces.max_line_deviation_m);
-  reader.read("max_range_m", parameters.surfaces.max_range_m);
-  reader.read("first_gate_m", parameters.matcher.first_gate_m);
-  reader.read("last_gate_m", parameters.matcher.last_gate_m);
-  reader.read("min_normal_cosine", parameters.matcher.min_normal_cosine);
-  reader.read("robust_scale_m", parameters.matcher.robust_scale_m);
-  reader.read("range_deviation_m", parameters.matcher.range_deviation_m);
-  reader.read("correlated_beams", parameters.matcher.correlated_beams);
-  reader.read("max_iterations", parameters.matcher.max_iterations);
-  reader.read("max_points", parameters.matcher.max_points);
+  readScanMatching(reader, parameters.surfaces, parameters.matcher);
   reader.read("key_scan_distance_m", parameters.key_scan_distance_m);
   reader.read("key_scan_angle_rad", parameters.key_scan_angle_rad);
   reader.read("key_scan_inlier_ratio", parameters.key_scan_inlier_ratio);

@@ -70,6 +70,23 @@ void ScanMatcherParameters::validate() const {
   require(max_points >= 10, "max_points", max_points, ">= 10");
 }
 
+void readScanMatching(ram_parameters::ParameterReader& reader,
+                      SurfaceParameters& surfaces,
+                      ScanMatcherParameters& matcher) {
+  reader.read("neighbour_count", surfaces.neighbour_count);
+  reader.read("max_gap_m", surfaces.max_gap_m);
+  reader.read("max_line_deviation_m", surfaces.max_line_deviation_m);
+  reader.read("max_range_m", surfaces.max_range_m);
+  reader.read("first_gate_m", matcher.first_gate_m);
+  reader.read("last_gate_m", matcher.last_gate_m);
+  reader.read("min_normal_cosine", matcher.min_normal_cosine);
+  reader.read("robust_scale_m", matcher.robust_scale_m);
+  reader.read("range_deviation_m", matcher.range_deviation_m);
+  reader.read("correlated_beams", matcher.correlated_beams);
+  reader.read("max_iterations", matcher.max_iterations);
+  reader.read("max_points", matcher.max_points);
+}
+
 ScanMatch matchScan(const SurfaceScan& scan,
                     const std::vector<ReferenceScan>& references,
                     const PosePrior& prior,

@@ -41,11 +41,6 @@ std::size_t distance(std::size_t a, std::size_t b) {
   return a > b ? a - b : b - a;
 }
 
-void requirePositive(const char* name, double value) {
-  if (!(value > 0.0))
-    throw std::invalid_argument(std::string(name) + " must be > 0, got " + std::to_string(value));
-}
-
 Eigen::Vector2d viewCentre(const SurfaceScan& surfaces) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double count = 0.0;
@@ -69,80 +64,6 @@ Eigen::Matrix3d withFloor(const Eigen::Matrix3d& information,
 }
 
 }  // namespace
-
-void MapSmootherParameters::validate() const {
-  surfaces.validate();
-  matcher.validate();
-  loops.validate();
-  graph.validate();
-  refinement.validate();
-  requirePositive("optimize_period_s", optimize_period_s);
-  requirePositive("key_scan_distance_m", key_scan_distance_m);
-  requirePositive("key_scan_angle_rad", key_scan_angle_rad);
-  requirePositive("loop_search_distance_m", loop_search_distance_m);
-  requirePositive("motion_rest_deviation_m", motion_rest_deviation_m);
-  requirePositive("motion_rest_deviation_rad", motion_rest_deviation_rad);
-  requirePositive("motion_deviation_m_per_m", motion_deviation_m_per_m);
-  requirePositive("motion_deviation_rad_per_m", motion_deviation_rad_per_m);
-  requirePositive("motion_deviation_rad_per_rad", motion_deviation_rad_per_rad);
-  requirePositive("match_deviation_m", match_deviation_m);
-  requirePositive("match_deviation_rad", match_deviation_rad);
-  requirePositive("closure_deviation_m", closure_deviation_m);
-  requirePositive("closure_deviation_rad", closure_deviation_rad);
-}
-
-MapSmootherParameters readMapSmootherParameters(ram_parameters::ParameterReader& reader) {
-  MapSmootherParameters parameters;
-  reader.read("map_frame", parameters.map_frame);
-  reader.read("base_frame", parameters.base_frame);
-  reader.read("optimize_period_s", parameters.optimize_period_s);
-  reader.read("neighbour_count", parameters.surfaces.neighbour_count);
-  reader.read("max_gap_m", parameters.surfaces.max_gap_m);
-  reader.read("max_line_deviation_m", parameters.surfaces.max_line_deviation_m);
-  reader.read("max_range_m", parameters.surfaces.max_range_m);
-  reader.read("first_gate_m", parameters.matcher.first_gate_m);
-  reader.read("last_gate_m", parameters.matcher.last_gate_m);
-  reader.read("min_normal_cosine", parameters.matcher.min_normal_cosine);
-  reader.read("robust_scale_m", parameters.matcher.robust_scale_m);
-  reader.read("range_deviation_m", parameters.matcher.range_deviation_m);
-  reader.read("correlated_beams", parameters.matcher.correlated_beams);
-  reader.read("max_iterations", parameters.matcher.max_iterations);
-  reader.read("max_points", parameters.matcher.max_points);
-  reader.read("key_scan_distance_m", parameters.key_scan_distance_m);
-  reader.read("key_scan_angle_rad", parameters.key_scan_angle_rad);
-  reader.read("motion_rest_deviation_m", parameters.motion_rest_deviation_m);
-  reader.read("motion_rest_deviation_rad", parameters.motion_rest_deviation_rad);
-  reader.read("motion_deviation_m_per_m", parameters.motion_deviation_m_per_m);
-  reader.read("motion_deviation_rad_per_m", parameters.motion_deviation_rad_per_m);
-  reader.read("motion_deviation_rad_per_rad", parameters.motion_deviation_rad_per_rad);
-  reader.read("match_deviation_m", parameters.match_deviation_m);
-  reader.read("match_deviation_rad", parameters.match_deviation_rad);
-  reader.read("closure_deviation_m", parameters.closure_deviation_m);
-  reader.read("closure_deviation_rad", parameters.closure_deviation_rad);
-  reader.read("loop_search_distance_m", parameters.loop_search_distance_m);
-  reader.read("loop_min_path_m", parameters.loops.min_path_m);
-  reader.read("loop_max_view_distance_m", parameters.loops.max_view_distance_m);
-  reader.read("loop_drift_m_per_m", parameters.loops.drift_m_per_m);
-  reader.read("loop_drift_rad_per_m", parameters.loops.drift_rad_per_m);
-  reader.read("loop_max_distance_m", parameters.loops.max_distance_m);
-  reader.read("loop_max_angle_rad", parameters.loops.max_angle_rad);
-  reader.read("loop_neighbour_count", parameters.loops.neighbour_count);
-  reader.read("loop_min_score", parameters.loops.min_score);
-  reader.read("loop_min_inlier_ratio", parameters.loops.min_inlier_ratio);
-  reader.read("loop_max_free_space_ratio", parameters.loops.max_free_space_ratio);
-  reader.read("loop_max_round_trip_m", parameters.loops.max_round_trip_m);
-  reader.read("loop_max_round_trip_rad", parameters.loops.max_round_trip_rad);
-  reader.read("closure_tolerance_chi2", parameters.graph.closure_tolerance_chi2);
-  reader.read("graph_max_iterations", parameters.graph.max_iterations);
-  reader.read("refinement_iterations", parameters.refinement.iterations);
-  reader.read("refinement_loop_neighbour_count", parameters.refinement.loop_neighbour_count);
-  reader.read("refinement_max_view_distance_m", parameters.refinement.max_view_distance_m);
-  reader.read("refinement_max_angle_rad", parameters.refinement.max_angle_rad);
-  reader.read("refinement_min_inlier_ratio", parameters.refinement.min_inlier_ratio);
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
-}
 
 MapSmoother::MapSmoother(const MapSmootherParameters& parameters) : parameters_(parameters) {
   parameters_.validate();
@@ -307,30 +228,34 @@ bool MapSmoother::searchLoops(std::size_t newest, double max_path_m) {
 }
 
 std::vector<double> MapSmoother::pathsTo(std::size_t node_sought) const {
-  std::vector<std::vector<std::pair<std::size_t, double>>> neighbours(key_scans_.size());
-  const auto connect = [&](std::size_t a, std::size_t b, double length_m) {
-    neighbours[a].emplace_back(b, length_m);
-    neighbours[b].emplace_back(a, length_m);
-  };
-  for (std::size_t i = 1; i < key_scans_.size(); ++i)
-    connect(i - 1, i, key_scans_[i].path_m - key_scans_[i - 1].path_m);
+  std::vector<std::pair<std::size_t, std::size_t>> shortcuts;  // both ways, by where they begin
   for (const LoopClosure& closure : closures_) {
-    if (closure.state == ClosureState::kAccepted && !closure.is_ambiguous)
-      connect(closure.edge.from, closure.edge.to, kClosurePathM);
+    if (closure.state != ClosureState::kAccepted || closure.is_ambiguous) continue;
+    shortcuts.emplace_back(closure.edge.from, closure.edge.to);
+    shortcuts.emplace_back(closure.edge.to, closure.edge.from);
   }
+  std::sort(shortcuts.begin(), shortcuts.end());
   std::vector<double> length_m(key_scans_.size(), std::numeric_limits<double>::infinity());
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  length_m[node_sought] = 0.0;
-  queue.emplace(0.0, node_sought);
+  const auto reach = [&](std::size_t node, double length) {
+    if (length >= length_m[node]) return;
+    length_m[node] = length;
+    queue.emplace(length, node);
+  };
+  reach(node_sought, 0.0);
   while (!queue.empty()) {
     const auto [length, node] = queue.top();
     queue.pop();
     if (length > length_m[node]) continue;
-    for (const auto& [next, step] : neighbours[node]) {
-      if (length + step >= length_m[next]) continue;
-      length_m[next] = length + step;
-      queue.emplace(length_m[next], next);
+    const double path_m = key_scans_[node].path_m;
+    if (node > 0) reach(node - 1, length + path_m - key_scans_[node - 1].path_m);
+    if (node + 1 < key_scans_.size())
+      reach(node + 1, length + key_scans_[node + 1].path_m - path_m);
+    for (auto way =
+             std::lower_bound(shortcuts.begin(), shortcuts.end(), std::pair(node, std::size_t{0}));
+         way != shortcuts.end() && way->first == node; ++way) {
+      reach(way->second, length + kClosurePathM);
     }
   }
   return length_m;

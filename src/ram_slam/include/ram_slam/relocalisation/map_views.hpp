@@ -8,6 +8,7 @@
 
 #include "ram_slam/fast_slam/field_of_view.hpp"
 #include "ram_slam/relocalisation/local_constellation.hpp"
+#include "ram_slam/scan_matching/correlative_search.hpp"
 #include "ram_slam/trajectory.hpp"
 
 namespace ram_slam {
@@ -34,7 +35,7 @@ public:
            std::shared_ptr<const FieldOfView> view);
   /// The map has come to be another one: its views lie on this path; those that do not are dropped.
   void follow(const Trajectory& path);
-  void clear() { places_.clear(); }
+  void clear();
   bool empty() const { return places_.empty(); }
   std::size_t size() const { return places_.size(); }
 
@@ -72,6 +73,8 @@ private:
   std::vector<std::size_t> near(const Pose2& map_from_base) const;
 
   std::vector<Place> places_;  ///< oldest first
+  /// Of all places, once they were searched; nothing that can be seen from outside.
+  mutable std::optional<LikelihoodPyramid> surfaces_;
 };
 
 }  // namespace ram_slam

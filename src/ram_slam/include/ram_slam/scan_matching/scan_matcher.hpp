@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/pose2.hpp"
 #include "ram_slam/scan_matching/point_to_line.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
@@ -25,6 +26,12 @@ struct ScanMatcherParameters {
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };
+
+/// Reads the keys of both, as they stand in the file of each node that aligns scans. \throws
+/// std::invalid_argument for a wrong type
+void readScanMatching(ram_parameters::ParameterReader& reader,
+                      SurfaceParameters& surfaces,
+                      ScanMatcherParameters& matcher);
 
 /// A scan that another one is aligned with.
 struct ReferenceScan {
