@@ -24,6 +24,13 @@ void append(const std::vector<Edge>& edges, std::vector<Edge>& to) {
   to.insert(to.end(), edges.begin(), edges.end());
 }
 
+/// Not only from end to end: those of a wall all around that one beam misses are close together.
+bool isSmall(const Surface& surface, double size_m) {
+  return std::all_of(surface.points_m.begin(), surface.points_m.end(), [&](const auto& point_m) {
+    return (point_m - surface.points_m.front()).norm() < size_m;
+  });
+}
+
 void search(Surface surface,
             const ram_slam::LaserScan& scan,
             const EdgeDetectorParameters& parameters,
@@ -35,8 +42,7 @@ void search(Surface surface,
     before = beside(surface, true, scan);
     after = beside(surface, false, scan);
   }
-  if (before.in_front && after.in_front &&
-      (surface.points_m.back() - surface.points_m.front()).norm() < parameters.object_size) {
+  if (before.in_front && after.in_front && isSmall(surface, parameters.object_size)) {
     if (const auto object = fitObject(surface, increment_rad, parameters)) {
       found.objects.push_back(*object);
     }

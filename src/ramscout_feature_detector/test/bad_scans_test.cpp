@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "ramscout_feature_detector/edge_detector.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
 
 #include "polygon_world.hpp"
@@ -27,8 +28,13 @@ std::size_t countFeatures(const ram_slam::LaserScan& scan) {
   return FeatureDetector({}).detect(scan, {}).features.size();
 }
 
+std::size_t countEdges(const ram_slam::LaserScan& scan) {
+  return EdgeDetector({}).detect(scan, {}).features.size();
+}
+
 TEST(BadScans, AGoodOneHasFourCorners) {
   EXPECT_EQ(countFeatures(roomScan()), 4U);
+  EXPECT_EQ(countEdges(roomScan()), 4U);
 }
 
 TEST(BadScans, ReadingsWithoutMeaningYieldNothing) {
@@ -37,6 +43,7 @@ TEST(BadScans, ReadingsWithoutMeaningYieldNothing) {
     auto scan = roomScan();
     std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), value);
     EXPECT_EQ(countFeatures(scan), 0U) << value;
+    EXPECT_EQ(countEdges(scan), 0U) << value;
   }
 }
 
@@ -47,6 +54,8 @@ TEST(BadScans, AFewReadingsWithoutMeaningTakeAwayAtMostTheirSurroundings) {
     scan.ranges_m[360] = value;
     const auto features = FeatureDetector({}).detect(scan, {}).features;
     EXPECT_EQ(features.size(), whole.size()) << value;
+    EXPECT_GE(countEdges(scan), 4U) << value;
+    EXPECT_LE(countEdges(scan), 6U) << value;  // of a hole in the wall the two sides
   }
 }
 
@@ -55,16 +64,20 @@ TEST(BadScans, RangesAsFarAsFloatsGoOverflowNothing) {
   scan.range_max_m = std::numeric_limits<float>::max();
   for (std::size_t i = 0; i < scan.ranges_m.size(); i += 3) scan.ranges_m[i] = 1e30F;
   EXPECT_NO_THROW(countFeatures(scan));
+  EXPECT_NO_THROW(countEdges(scan));
 }
 
 TEST(BadScans, CirclesAndSingleBeamsAreScansWithoutFeatures) {
   auto scan = roomScan();
   std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), 3.0F);
   EXPECT_EQ(countFeatures(scan), 0U);
+  EXPECT_EQ(countEdges(scan), 0U);
   std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), scan.range_max_m);
   EXPECT_EQ(countFeatures(scan), 0U);
+  EXPECT_EQ(countEdges(scan), 0U);
   scan.ranges_m.resize(1);
   EXPECT_EQ(countFeatures(scan), 0U);
+  EXPECT_EQ(countEdges(scan), 0U);
 }
 
 TEST(BadScans, ClockwiseScansShowTheSameWorld) {
@@ -99,6 +112,7 @@ TEST(BadScans, TheSizeMayChangeFromScanToScan) {
   const FeatureDetector detector({});
   for (const int beams : {720, 447, 1440, 461, 3}) {
     EXPECT_NO_THROW(detector.detect(roomScan(beams), {})) << beams;
+    EXPECT_NO_THROW(countEdges(roomScan(beams))) << beams;
   }
 }
 
@@ -177,6 +191,7 @@ TEST(BadScans, UnusableScansAreRefused) {
     auto scan = roomScan();
     change(scan);
     EXPECT_THROW(countFeatures(scan), std::invalid_argument);
+    EXPECT_THROW(countEdges(scan), std::invalid_argument);
   };
   refused([](auto& scan) { scan.ranges_m.clear(); });
   refused([](auto& scan) { scan.ranges_m.resize(1000000); });
