@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kSmallestObjectPoints = 2;
 constexpr std::size_t kSmallestLinePoints = 3;
+constexpr double kCornerReachM = 0.1;
 
 /// What was found, the most telling first.
 struct Found {
@@ -74,6 +75,14 @@ std::vector<Edge> EdgeDetector::edges(const ram_slam::LaserScan& scan) const {
        splitIntoSurfaces(scan, parameters_.distance_threshold, parameters_.laser_range_sigma)) {
     search(std::move(surface), scan, parameters_, found);
   }
+  // Close to a corner that is seen whole, an end is a worse description of the same thing.
+  const auto isOfCorner = [&](const Edge& end) {
+    return std::any_of(found.corners.begin(), found.corners.end(), [&](const Edge& corner) {
+      return (corner.position_m - end.position_m).norm() < kCornerReachM;
+    });
+  };
+  found.ends.erase(std::remove_if(found.ends.begin(), found.ends.end(), isOfCorner),
+                   found.ends.end());
   std::vector<Edge> kept;
   for (const std::vector<Edge>* kind :
        {&found.objects, &found.corners, &found.ends, &found.bends}) {
