@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/laser_scan.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -9,6 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxBeams = 20000;
 constexpr double kMinIncrementRad = 1e-6;
+constexpr std::int64_t kLongestIntervalNs = 1'000'000'000;
 
 }  // namespace
 
@@ -31,6 +34,20 @@ void LaserScan::validate() const {
     throw std::invalid_argument("scan with range limits [" + std::to_string(range_min_m) + ", " +
                                 std::to_string(range_max_m) + "]");
   }
+}
+
+std::int64_t LaserScan::delay_ns(double bearing_rad) const {
+  const double turn = 2.0 * M_PI / std::abs(angle_increment_rad);  // in beams
+  double beam = std::fmod((bearing_rad - angle_min_rad) / angle_increment_rad, turn);
+  if (beam < -0.5) beam += turn;  // half a beam before the first is still the first
+  return std::llround(1e9 * time_increment_s * std::max(beam, 0.0));
+}
+
+Pose2 motionDuringScan(const LaserScan& scan, const Pose2& motion, std::int64_t interval_ns) {
+  if (interval_ns <= 0 || interval_ns > kLongestIntervalNs || scan.ranges_m.empty()) return {};
+  const double duration_s = scan.time_increment_s * static_cast<double>(scan.ranges_m.size() - 1);
+  const double share = duration_s / (1e-9 * static_cast<double>(interval_ns));
+  return share > 0.0 ? exponential(share * logarithm(motion)) : Pose2{};
 }
 
 LaserScan mirrored(LaserScan scan) {

@@ -123,8 +123,8 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   if (!base_from_laser.isFinite() || (odom_from_base && !odom_from_base->isFinite())) {
     throw std::invalid_argument("pose not finite");
   }
-  SurfaceScan surfaces = extractSurfaces(scan, parameters_.surfaces);
   if (key_scans_.empty()) {
+    SurfaceScan surfaces = extractSurfaces(scan, parameters_.surfaces);
     last_.stamp_ns = scan.stamp_ns;
     last_.odom_from_base.pose = odom_from_base.value_or(Pose2{});
     last_.inlier_ratio = 1.0;
@@ -139,6 +139,10 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   }
 
   const Prediction prediction = predict(scan.stamp_ns, odom_from_base);
+  const Pose2 laser_motion = base_from_laser.inverse() * prediction.motion * base_from_laser;
+  SurfaceScan surfaces =
+      extractSurfaces(scan, parameters_.surfaces,
+                      motionDuringScan(scan, laser_motion, scan.stamp_ns - last_.stamp_ns));
   LaserOdometryEstimate estimate;
   estimate.stamp_ns = scan.stamp_ns;
   const ScanMatch found = match(surfaces, base_from_laser, prediction, estimate.wheels_slipped);

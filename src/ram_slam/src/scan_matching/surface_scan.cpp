@@ -99,11 +99,16 @@ void SurfaceParameters::validate() const {
   require(max_range_m > 0.0, "max_range_m", max_range_m, "> 0");
 }
 
-SurfaceScan extractSurfaces(const LaserScan& scan, const SurfaceParameters& parameters) {
+SurfaceScan extractSurfaces(const LaserScan& scan,
+                            const SurfaceParameters& parameters,
+                            const Pose2& last_beam) {
   scan.validate();
+  const double last = static_cast<double>(std::max<std::size_t>(scan.ranges_m.size(), 2) - 1);
+  const Eigen::Vector3d twist = logarithm(last_beam) / last;  // per beam
+  const bool moves = !twist.isZero(0.0);
   SurfaceScan surfaces;
   surfaces.angle_min_rad = scan.angle_min_rad;
-  surfaces.angle_increment_rad = scan.angle_increment_rad;
+  surfaces.angle_increment_rad = scan.angle_increment_rad + twist.z();
   surfaces.point_of_beam.reserve(scan.ranges_m.size());
   std::vector<SurfacePoint> ends;
   std::vector<float> max_gaps_m;
@@ -113,7 +118,9 @@ SurfaceScan extractSurfaces(const LaserScan& scan, const SurfaceParameters& para
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     surfaces.point_of_beam.push_back(static_cast<std::int32_t>(ends.size()));
     if (scan.at(beam) != Return::kHit || scan.ranges_m[beam] > parameters.max_range_m) continue;
-    const Eigen::Vector2f end = scan.end_m(beam).cast<float>();
+    Eigen::Vector2d end_m = scan.end_m(beam);
+    if (moves) end_m = exponential(static_cast<double>(beam) * twist) * end_m;
+    const Eigen::Vector2f end = end_m.cast<float>();
     ends.push_back({end.x(), end.y(), 0.0F, 0.0F});
     max_gaps_m.push_back(
         std::max(static_cast<float>(parameters.max_gap_m), beam_gap * scan.ranges_m[beam]));

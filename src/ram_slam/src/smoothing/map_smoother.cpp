@@ -81,8 +81,14 @@ void MapSmoother::addScan(const LaserScan& scan,
                                 std::to_string(scans_.back().stamp_ns) + " ns");
   }
   if (key_scans_.empty() || isKeyScan(odom_from_base)) {
-    addKeyScan(scan.stamp_ns, extractSurfaces(scan, parameters_.surfaces), base_from_laser,
-               odom_from_base);
+    Pose2 last_beam;
+    if (!scans_.empty()) {
+      const Pose2 motion = scans_.back().odom_from_base.inverse() * odom_from_base;
+      last_beam = motionDuringScan(scan, base_from_laser.inverse() * motion * base_from_laser,
+                                   scan.stamp_ns - scans_.back().stamp_ns);
+    }
+    addKeyScan(scan.stamp_ns, extractSurfaces(scan, parameters_.surfaces, last_beam),
+               base_from_laser, odom_from_base);
     if (key_scans_.back().path_m - searched_path_m_ >= parameters_.loop_search_distance_m)
       searchLoops(key_scans_.size() - 1, std::numeric_limits<double>::infinity());
   }

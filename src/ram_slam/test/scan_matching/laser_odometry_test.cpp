@@ -64,6 +64,85 @@ TEST(LaserOdometry, RecoversAMotionFromExactScansWithinAMillimetreWithoutWheels)
   EXPECT_LT(std::abs(error.z()), 5e-4);
 }
 
+TEST(Surfaces, OfALaserThatMovesDuringItsSweepAreWhereTheWallsAre) {
+  const Pose2 start{-1.0, 0.5, 0.3};
+  const Pose2 last_beam{0.02, 0.005, 0.03};
+  const LaserScan scan = scanWalls(room(), start, 1, {}, last_beam);
+  const auto farthest_m = [&](const SurfaceScan& surfaces) {
+    double farthest = 0.0;
+    for (const SurfacePoint& point : surfaces.points) {
+      const Eigen::Vector2d place_m = start * Eigen::Vector2d(point.x_m, point.y_m);
+      double nearest = 1.0;
+      for (const Wall& wall : room()) {
+        const Eigen::Vector2d along = wall.to_m - wall.from_m;
+        const double share =
+            std::clamp(along.dot(place_m - wall.from_m) / along.squaredNorm(), 0.0, 1.0);
+        nearest = std::min(nearest, (wall.from_m + share * along - place_m).norm());
+      }
+      farthest = std::max(farthest, nearest);
+    }
+    return farthest;
+  };
+  SurfaceParameters bare;
+  bare.max_line_deviation_m = 1e-6;  // so that no point is drawn onto a line across a corner
+  EXPECT_LT(farthest_m(extractSurfaces(scan, bare, last_beam)), 1e-3);
+  EXPECT_GT(farthest_m(extractSurfaces(scan, bare)), 0.05);
+}
+
+TEST(LaserScan, TheMotionDuringASweepIsItsShareOfTheMotionBefore) {
+  LaserScan scan;
+  scan.time_increment_s = 0.001;
+  scan.ranges_m.resize(101, 1.0F);
+  const Pose2 motion = exponential({0.2, 0.0, 0.4});
+  const Pose2 during = motionDuringScan(scan, motion, 200'000'000);
+  const Pose2 half = exponential({0.1, 0.0, 0.2});
+  EXPECT_LT(difference(during, half).norm(), 1e-12);
+  EXPECT_EQ(motionDuringScan(scan, motion, 0).yaw_rad, 0.0);
+  EXPECT_EQ(motionDuringScan(scan, motion, 2'000'000'000).yaw_rad, 0.0);
+}
+
+TEST(LaserScan, ABearingTellsWhenItsBeamIsFired) {
+  LaserScan scan;
+  scan.angle_min_rad = -0.75 * M_PI;
+  scan.angle_increment_rad = 0.01;
+  scan.time_increment_s = 1e-5;
+  EXPECT_EQ(scan.delay_ns(scan.bearing_rad(0)), 0);
+  EXPECT_EQ(scan.delay_ns(scan.bearing_rad(300)), 3'000'000);
+  EXPECT_EQ(scan.delay_ns(scan.bearing_rad(300) - 2.0 * M_PI), 3'000'000);
+  const LaserScan reversed = mirrored(scan);
+  EXPECT_EQ(reversed.delay_ns(reversed.bearing_rad(300)), 3'000'000);
+}
+
+/// How far the yaw is off after ten turns on the spot, by a laser that sweeps for most of the time
+/// between two scans. \param told  whether its scans say so
+double errorOfTenTurns_rad(bool told) {
+  constexpr double kTurnRad = 0.05;
+  constexpr double kSweepShare = 0.7;
+  LaserOdometry odometry{LaserOdometryParameters()};
+  double yaw_rad = 0.0;
+  LaserOdometryEstimate last;
+  for (int step = 0; yaw_rad < 20.0 * M_PI; ++step) {
+    // It stands at first and in the end, so that the pose is that of the whole scan.
+    const bool turns = step >= 2 && yaw_rad + kTurnRad < 20.0 * M_PI;
+    LaserScan scan = scanWalls(room(), {0.0, 0.0, yaw_rad}, (step + 1) * kStepNs, {},
+                               {0.0, 0.0, turns ? kSweepShare * kTurnRad : 0.0});
+    if (told) {
+      scan.time_increment_s =
+          kSweepShare * 1e-9 * kStepNs / static_cast<double>(scan.ranges_m.size() - 1);
+    }
+    last = odometry.update(scan, {}, Pose2{0.0, 0.0, wrapAngle(yaw_rad)});
+    if (step >= 1) yaw_rad += kTurnRad;
+  }
+  return std::abs(wrapAngle(last.odom_from_base.pose.yaw_rad - (yaw_rad - kTurnRad)));
+}
+
+TEST(LaserOdometry, TurnsRightWithALaserThatTakesTimeToSweep) {
+  const double told_rad = errorOfTenTurns_rad(true);
+  const double untold_rad = errorOfTenTurns_rad(false);
+  EXPECT_LT(told_rad, 0.02);
+  EXPECT_GT(untold_rad, 0.5);  // of the 63 that it turned
+}
+
 TEST(LaserOdometry, StartsWhereTheWheelsAre) {
   LaserOdometry odometry{LaserOdometryParameters()};
   const Pose2 start{3.0, 4.0, 1.0};

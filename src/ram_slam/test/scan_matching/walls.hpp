@@ -64,10 +64,12 @@ struct TestLaser {
 };
 
 /// What the laser sees; readings beyond its range are +Inf.
+/// \param last_beam  pose of a moving laser at the last beam, seen from the first
 inline LaserScan scanWalls(const Walls& walls,
-                           const Pose2& map_from_laser,
+                           const Pose2& first_beam_in_map,
                            std::int64_t stamp_ns,
-                           const TestLaser& laser = {}) {
+                           const TestLaser& laser = {},
+                           const Pose2& last_beam = {}) {
   LaserScan scan;
   scan.stamp_ns = stamp_ns;
   scan.angle_min_rad = -0.5 * laser.field_of_view_rad;
@@ -76,6 +78,8 @@ inline LaserScan scanWalls(const Walls& walls,
   scan.range_max_m = static_cast<float>(laser.max_range_m);
   Random random(1, static_cast<std::uint64_t>(stamp_ns));
   for (std::size_t beam = 0; beam < laser.beam_count; ++beam) {
+    const double fraction = static_cast<double>(beam) / static_cast<double>(laser.beam_count - 1);
+    const Pose2 map_from_laser = first_beam_in_map * interpolate({}, last_beam, fraction);
     const double bearing_rad = map_from_laser.yaw_rad + scan.bearing_rad(beam);
     const double range_m = rangeToWalls(walls, map_from_laser.translation(), bearing_rad);
     const double reading_m = range_m + laser.range_deviation_m * random.gaussian();

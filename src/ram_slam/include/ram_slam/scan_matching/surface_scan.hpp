@@ -41,7 +41,12 @@ struct SurfaceScan {
       point_of_beam;  ///< index into `points`; of a beam without a hit: that of the next one
 };
 
+/// Where everything was seen from the laser's pose at the first beam.
+/// \param last_beam  pose of the laser at the last beam, seen from the first one
+/// (motionDuringScan()); in between it moves at constant twist
 /// \throws std::invalid_argument as LaserScan::validate()
-SurfaceScan extractSurfaces(const LaserScan& scan, const SurfaceParameters& parameters);
+SurfaceScan extractSurfaces(const LaserScan& scan,
+                            const SurfaceParameters& parameters,
+                            const Pose2& last_beam = {});
 
 }  // namespace ram_slam
