@@ -14,6 +14,7 @@ constexpr double kQuaternionTolerance = 1e-3;
 constexpr std::size_t kMaxFeatures = 1000;
 constexpr std::size_t kMaxClassifierLength = 4096;
 constexpr double kSymmetryTolerance = 1e-6;
+constexpr std::int64_t kMaxDelayNs = 1'000'000'000;  // of a feature after its list
 
 ram_slam::Pose2 toPose2(double x, double y, const geometry_msgs::Quaternion& q) {
   const double norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
@@ -29,6 +30,16 @@ geometry_msgs::Quaternion toQuaternion(double yaw_rad) {
   q.z = std::sin(yaw_rad / 2.0);
   q.w = std::cos(yaw_rad / 2.0);
   return q;
+}
+
+/// 0 if the feature has no stamp of its own.
+/// \throws std::invalid_argument if it is too far from the list's
+std::int64_t delayOf(const ros::Time& stamp, std::int64_t list_stamp_ns) {
+  if (stamp.isZero()) return 0;
+  const std::int64_t delay_ns = toNanoseconds(stamp) - list_stamp_ns;
+  if (delay_ns < -kMaxDelayNs || delay_ns > kMaxDelayNs)
+    throw std::invalid_argument("a feature's stamp is more than 1 s from its list's");
+  return delay_ns;
 }
 
 }  // namespace
@@ -150,7 +161,9 @@ CheckedFeatures toFeatureList(const ram_slam_msgs::FeatureList& message) {
   checked.rejected_count = static_cast<int>(message.features.size() - taken);
   for (std::size_t i = 0; i < taken; ++i) {
     try {
-      checked.list.features.push_back(toFeature(message.features[i]));
+      ram_slam::Feature feature = toFeature(message.features[i]);
+      feature.delay_ns = delayOf(message.features[i].header.stamp, checked.list.stamp_ns);
+      checked.list.features.push_back(std::move(feature));
     } catch (const std::invalid_argument&) {
       ++checked.rejected_count;
     }
@@ -165,6 +178,7 @@ ram_slam_msgs::FeatureList toFeatureListMessage(const ram_slam::FeatureList& lis
   message.header.frame_id = frame_id;
   for (const ram_slam::Feature& feature : list.features) {
     message.features.push_back(toFeatureMessage(feature, message.header));
+    message.features.back().header.stamp = toTime(list.stamp_ns + feature.delay_ns);
   }
   return message;
 }

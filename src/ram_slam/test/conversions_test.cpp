@@ -57,6 +57,38 @@ TEST(Conversions, FeatureListRoundTrip) {
   EXPECT_EQ(back.list.features[1].covariance_m2, exampleFeature().covariance_m2);
 }
 
+TEST(Conversions, AFeatureKeepsTheStampOfItsOwn) {
+  ram_slam::FeatureList list;
+  list.stamp_ns = 5'000'000'000;
+  list.features = {exampleFeature(), exampleFeature(), exampleFeature()};
+  list.features[0].delay_ns = 7'000'000;
+  auto message = toFeatureListMessage(list, "base_link");
+  EXPECT_EQ(toNanoseconds(message.features[0].header.stamp), 5'007'000'000);
+  message.features[1].header.stamp = ros::Time();  // then the list's counts
+  message.features[2].header.stamp = ros::Time(7, 0);
+  const CheckedFeatures back = toFeatureList(message);
+  ASSERT_EQ(back.list.features.size(), 2u);
+  EXPECT_EQ(back.list.features[0].delay_ns, 7'000'000);
+  EXPECT_EQ(back.list.features[1].delay_ns, 0);
+  EXPECT_EQ(back.rejected_count, 1);
+}
+
+TEST(Features, SeenLaterAreMovedToTheStampOfTheirList) {
+  const ram_slam::Pose2 motion = ram_slam::exponential({0.1, 0.0, 0.2});  // in 0.1 s
+  const ram_slam::Pose2 later = ram_slam::exponential({0.02, 0.0, 0.04});
+  ram_slam::FeatureList list;
+  list.stamp_ns = 1;
+  list.features = {exampleFeature()};
+  const Eigen::Vector2d seen_at_once_m = later * exampleFeature().position_m;
+  list.features[0].delay_ns = 20'000'000;
+  const ram_slam::Feature moved = ram_slam::seenAtOnce(list, motion, 100'000'000).features.front();
+  EXPECT_LT((moved.position_m - seen_at_once_m).norm(), 1e-12);
+  EXPECT_NEAR(moved.orientation_rad, exampleFeature().orientation_rad + 0.04, 1e-12);
+  EXPECT_EQ(moved.delay_ns, 0);
+  const ram_slam::Feature kept = ram_slam::seenAtOnce(list, motion, 0).features.front();
+  EXPECT_EQ(kept.position_m, exampleFeature().position_m);
+}
+
 TEST(Conversions, BadFeaturesAreLeftOutAndCounted) {
   ram_slam::FeatureList list;
   list.stamp_ns = 42;

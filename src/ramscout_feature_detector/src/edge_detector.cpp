@@ -113,6 +113,7 @@ ram_slam::FeatureList EdgeDetector::detect(const ram_slam::LaserScan& scan,
     feature.covariance_m2 = rotation * edge.covariance_m2 * rotation.transpose();
     feature.orientation_rad = ram_slam::wrapAngle(edge.orientation_rad + base_from_laser.yaw_rad);
     feature.orientation_variance_rad2 = edge.orientation_variance_rad2;
+    feature.delay_ns = scan.delay_ns(std::atan2(edge.position_m.y(), edge.position_m.x()));
     list.features.push_back(std::move(feature));
   }
   return list;

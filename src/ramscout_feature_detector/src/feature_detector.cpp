@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_feature_detector/feature_detector.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "ramscout_feature_detector/corner_response.hpp"
@@ -42,6 +43,7 @@ ram_slam::Feature toFeature(const Corner& corner,
   feature.covariance_m2 = rotation * lines.covariance_m2 * rotation.transpose();
   feature.orientation_rad = ram_slam::wrapAngle(lines.orientation_rad + base_from_laser.yaw_rad);
   feature.orientation_variance_rad2 = lines.orientation_variance_rad2;
+  feature.delay_ns = scan.delay_ns(std::atan2(lines.position_m.y(), lines.position_m.x()));
   return feature;
 }
 

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "ram_slam/pose2.hpp"
+
 namespace ram_slam {
 
 /// One feature as a detector saw it, in the robot's base frame: the planar part of
@@ -18,6 +20,7 @@ struct Feature {
   Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();  ///< of the position
   double orientation_rad = 0.0;
   double orientation_variance_rad2 = 1e6;  ///< 1e6: not observed
+  std::int64_t delay_ns = 0;  ///< seen so long after the list's stamp, in the base frame of then
 };
 
 /// The features of one reading of one sensor.
@@ -25,5 +28,11 @@ struct FeatureList {
   std::int64_t stamp_ns = 0;
   std::vector<Feature> features;
 };
+
+/// The features as they would have been seen at the list's stamp, all at once: a lidar that sweeps
+/// sees each at another time.
+/// \param motion  of the robot over the interval up to the stamp, taken to go on as it was; without
+/// effect if the interval is not positive or longer than 1 s
+FeatureList seenAtOnce(FeatureList list, const Pose2& motion, std::int64_t interval_ns);
 
 }  // namespace ram_slam

@@ -111,16 +111,18 @@ RecoveringSlam::RecoveringSlam(const FastSlamParameters& filter,
       detector_(recovery.lost),
       local_(recovery.local, matchers_) {}
 
-void RecoveringSlam::update(const FeatureList& list,
+void RecoveringSlam::update(const FeatureList& features,
                             const MotionModel& motion,
                             std::shared_ptr<const FieldOfView> view) {
+  PoseWithCovariance2 moved;
+  if (started() && features.stamp_ns > stamp_ns_)
+    moved = motion.motion(stamp_ns_, features.stamp_ns);
+  const FeatureList list = seenAtOnce(features, moved.pose, features.stamp_ns - stamp_ns_);
   if (!parameters_.enabled) {
     filter_.update(list, motion, view.get());
     stamp_ns_ = list.stamp_ns;
     return;
   }
-  PoseWithCovariance2 moved;
-  if (started() && list.stamp_ns > stamp_ns_) moved = motion.motion(stamp_ns_, list.stamp_ns);
   if (lost()) {
     filter_.check(list);
     if (list.stamp_ns < stamp_ns_) {

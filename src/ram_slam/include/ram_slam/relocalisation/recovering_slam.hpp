@@ -59,8 +59,8 @@ public:
                  const RecoveryParameters& recovery,
                  FeatureMatchers matchers = {});
 
-  /// As FastSlam::update(). If it throws nothing has changed.
-  void update(const FeatureList& list,
+  /// As FastSlam::update(), the features made seenAtOnce(). If it throws nothing has changed.
+  void update(const FeatureList& features,
               const MotionModel& motion,
               std::shared_ptr<const FieldOfView> view = nullptr);
 
