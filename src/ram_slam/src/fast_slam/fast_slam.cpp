@@ -13,11 +13,12 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kPassedLogOdds = -2.0;  // a look well past a landmark
-constexpr int kWitnesses = 10;           // particles that are asked whether a landmark is missing
-constexpr double kMemory = 0.95;         // of the running means of quality, per list
+constexpr double kMemory = 0.95;            // of the running means of quality, per list
 constexpr double kFeatureDistance_m = 5.0;  // typical: turns errors of features into errors of yaw
 constexpr double kSymmetryTolerance = 1e-9;
+// Orientations: of things as they are, beyond what detectors state; share that is plainly wrong.
+constexpr double kOrientationSigma_rad = 0.07;
+constexpr double kWrongOrientations = 0.001;
 
 void requireGood(const Feature& feature) {
   const Eigen::Matrix2d& c = feature.covariance_m2;
@@ -48,6 +49,21 @@ Pose2 draw(const PoseWithCovariance2& from, Random random) {
   const Eigen::Vector3d noise = random.gaussian(from.covariance);
   return {from.pose.x_m + noise.x(), from.pose.y_m + noise.y(),
           wrapAngle(from.pose.yaw_rad + noise.z())};
+}
+
+/// How much likelier the orientation that is seen is if it is that landmark's than by chance [nat].
+double orientationEvidence(const LandmarkRecord& record,
+                           const Feature& feature,
+                           const PoseWithCovariance2& map_from_base) {
+  const double variance_rad2 = record.orientation_variance_rad2 +
+                               feature.orientation_variance_rad2 + map_from_base.covariance(2, 2) +
+                               kOrientationSigma_rad * kOrientationSigma_rad;
+  if (variance_rad2 > 1.0) return 0.0;  // one of them was not observed
+  const double away_rad =
+      wrapAngle(map_from_base.pose.yaw_rad + feature.orientation_rad - record.orientation_rad);
+  const double density =
+      std::exp(-0.5 * away_rad * away_rad / variance_rad2) / std::sqrt(2.0 * M_PI * variance_rad2);
+  return std::log((1.0 - kWrongOrientations) * 2.0 * M_PI * density + kWrongOrientations);
 }
 
 std::size_t largest(const std::vector<double>& weights) {
@@ -112,6 +128,7 @@ void FastSlam::setMap(const LandmarkMap& map) {
     if (looks != nullptr) record.views.push_back(looks);
     record.existence_log_odds = std::clamp(estimate.existence_log_odds, parameters_.delete_log_odds,
                                            parameters_.maximum_log_odds);
+    record.was_confirmed = record.existence_log_odds >= parameters_.confirm_log_odds;
     record.orientation_rad = estimate.orientation_rad;
     record.orientation_variance_rad2 = estimate.orientation_variance_rad2;
     registry.restore(std::move(record));
@@ -245,9 +262,12 @@ std::vector<Observation> FastSlam::observe(
     places_m.max().array() += reach_m;
     for (const LandmarkRecord& record : registry_.records()) {
       if (!places_m.intersects(record.bounds_m) || record.type != feature.type) continue;
+      const double by_looks =
+          logLikelihoodRatio(matcher(feature.type), descriptors[i], record.views);
+      const PoseWithCovariance2& pose = particles_[best_].proposal;
       observations[i].prospects.push_back(
           {record.id, record.existence_log_odds >= parameters_.confirm_log_odds,
-           logLikelihoodRatio(matcher(feature.type), descriptors[i], record.views)});
+           by_looks + orientationEvidence(record, feature, pose)});
     }
   }
   return observations;
@@ -279,6 +299,7 @@ std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observatio
 }
 
 void FastSlam::coverDrift() {
+  const MapDrift open = drift_;
   for (const Association& association : associations_) {
     if (association.verdict != Verdict::kMatched) continue;
     const LandmarkRecord& record = *registry_.find(association.id);
@@ -286,9 +307,11 @@ void FastSlam::coverDrift() {
     drift_.fallBack(record.drift, estimate_);
   }
   drift_.cover(estimate_);
+  for (LandmarkRecord& record : registry_.records())
+    record.drift = drift_.bridged(record.drift, open, record.bounds_m.center());
   estimate_.covariance = drift_.at(estimate_.pose);
   // What features have in common from scan to scan no number of them makes smaller.
-  const double floor_m = parameters_.feature_noise_floor;
+  const double floor_m = parameters_.pose_noise_floor;
   const double floor_rad = floor_m / kFeatureDistance_m;
   estimate_.covariance.diagonal() +=
       Eigen::Vector3d(floor_m * floor_m, floor_m * floor_m, floor_rad * floor_rad);
@@ -337,89 +360,6 @@ void FastSlam::updateEstimate(const std::vector<double>& weights) {
   estimate_.covariance = within + between;
 }
 
-void FastSlam::updateMaps(const FeatureList& list,
-                          const std::vector<DescriptorPointer>& descriptors,
-                          const std::vector<Observation>& observations,
-                          const std::vector<Evidence>& evidence) {
-  const std::vector<double> weights = this->weights();
-  std::vector<std::optional<LandmarkId>> fresh_ids(observations.size());
-  std::map<LandmarkId, double> matched_weights;  // of the landmarks that some particle changed
-  for (std::size_t k = 0; k < particles_.size(); ++k) {
-    Particle& particle = particles_[k];
-    for (std::size_t i = 0; i < observations.size(); ++i) {
-      const Association& association = evidence[k].associations[i];
-      const PointMeasurement& measured = observations[i].measured;
-      if (association.verdict == Verdict::kMatched) {
-        const Landmark& before = *particle.landmarks.find(association.id);
-        const Innovation found = innovation(particle.map_from_base, before, measured);
-        particle.landmarks.set(association.id, updated(before, found, measured));
-        matched_weights[association.id] += weights[k];
-      } else if (association.verdict == Verdict::kNew) {
-        std::optional<LandmarkId> id = idUsedElsewhere(observations[i], particle);
-        if (!id && !fresh_ids[i]) {
-          LandmarkRecord& record = registry_.create(list.features[i], descriptors[i]);
-          record.placed_ns = stamp_ns_;
-          record.seen_within_m = list.features[i].position_m.norm();
-          record.drift = drift_.covariance();
-          fresh_ids[i] = record.id;
-        }
-        if (!id) id = fresh_ids[i];
-        particle.landmarks.set(*id, createLandmark(particle.map_from_base, measured));
-        matched_weights[*id] += 0.0;
-      }
-    }
-  }
-  for (const auto& [id, weight] : matched_weights) {
-    LandmarkRecord& record = *registry_.find(id);
-    record.matched_weight = weight;
-    refreshBounds(record);
-  }
-  rememberViews(list, descriptors, evidence[best_].associations);
-}
-
-std::optional<LandmarkId> FastSlam::idUsedElsewhere(const Observation& observation,
-                                                    const Particle& particle) const {
-  const Eigen::Vector2d place_m = particle.map_from_base * observation.measured.position_m;
-  std::optional<LandmarkId> nearest;
-  double least_m = parameters_.minimum_feature_separation;
-  for (const Prospect& prospect : observation.prospects) {
-    if (particle.landmarks.find(prospect.id) != nullptr) continue;
-    const LandmarkRecord& record = *registry_.find(prospect.id);
-    const double distance_m = (record.bounds_m.center() - place_m).norm();
-    if (distance_m >= least_m) continue;
-    least_m = distance_m;
-    nearest = prospect.id;
-  }
-  return nearest;
-}
-
-void FastSlam::rememberViews(const FeatureList& list,
-                             const std::vector<DescriptorPointer>& descriptors,
-                             const std::vector<Association>& associations) {
-  const Particle& best = particles_[best_];
-  for (std::size_t i = 0; i < associations.size(); ++i) {
-    if (associations[i].verdict != Verdict::kMatched) continue;
-    LandmarkRecord& record = *registry_.find(associations[i].id);
-    const Eigen::Vector2d robot_from_landmark_m =
-        best.map_from_base.translation() - best.landmarks.find(record.id)->mean_m;
-    addView(record, robot_from_landmark_m, matcher(record.type), descriptors[i]);
-    addOrientation(record, best.map_from_base.yaw_rad + list.features[i].orientation_rad,
-                   list.features[i].orientation_variance_rad2);
-  }
-}
-
-void FastSlam::refreshBounds(LandmarkRecord& record) const {
-  const double gate = std::sqrt(parameters_.creation_gate);
-  record.bounds_m.setEmpty();
-  for (const Particle& particle : particles_) {
-    const Landmark* landmark = particle.landmarks.find(record.id);
-    if (landmark == nullptr) continue;
-    const double reach_m = gate * std::sqrt(landmark->covariance_m2.trace());
-    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() - reach_m));
-    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() + reach_m));
-  }
-}
-
 void FastSlam::rate(const Evidence& evidence) {
   associations_ = evidence.associations;
   quality_.matched_count = quality_.new_count = quality_.ignored_count = 0;
@@ -434,74 +374,6 @@ void FastSlam::rate(const Evidence& evidence) {
   if (evidence.correction_count == 0) return;
   const double innovation = evidence.squared_mahalanobis / (2.0 * evidence.correction_count);
   quality_.normalised_innovation += (1.0 - kMemory) * (innovation - quality_.normalised_innovation);
-}
-
-void FastSlam::collectEvidence(const FieldOfView* view) {
-  const double seen =
-      std::log(parameters_.detection_probability / parameters_.false_detection_probability);
-  const std::vector<Witness> witnesses =
-      view == nullptr ? std::vector<Witness>{} : this->witnesses();
-  std::vector<LandmarkId> refuted;
-  for (LandmarkRecord& record : registry_.records()) {
-    const double unseen_weight = 1.0 - record.matched_weight;
-    double evidence = record.matched_weight * seen;
-    record.matched_weight = 0.0;
-    if (view != nullptr && unseen_weight > 0.0)
-      evidence += unseen_weight * doubt(record, *view, witnesses);
-    if (evidence == 0.0) continue;
-    record.existence_log_odds =
-        std::min(parameters_.maximum_log_odds, record.existence_log_odds + evidence);
-    if (record.existence_log_odds < parameters_.delete_log_odds) refuted.push_back(record.id);
-  }
-  for (const LandmarkId id : refuted) remove(id);
-}
-
-std::vector<FastSlam::Witness> FastSlam::witnesses() const {
-  // Equally spaced on the weight axis, as in resampleLowVariance(): each stands for as much weight.
-  const std::vector<double> weights = this->weights();
-  std::vector<Witness> witnesses;
-  double passed = 0.0;
-  int chosen = 0;
-  for (std::size_t k = 0; k < particles_.size(); ++k) {
-    passed += weights[k];
-    const int up_to = std::min(kWitnesses, static_cast<int>(passed * kWitnesses + 0.5));
-    if (up_to == chosen) continue;
-    witnesses.push_back(
-        {&particles_[k], particles_[k].map_from_base.rotation().transpose(), up_to - chosen});
-    chosen = up_to;
-  }
-  return witnesses;
-}
-
-double FastSlam::doubt(const LandmarkRecord& record,
-                       const FieldOfView& view,
-                       const std::vector<Witness>& witnesses) const {
-  // Where it was never seen from as far, it is not missed.
-  const double reach_m = std::min(view.range_m(), record.seen_within_m);
-  if (record.bounds_m.exteriorDistance(estimate_.pose.translation()) > reach_m) return 0.0;
-  const double missed = std::log((1.0 - parameters_.detection_probability) /
-                                 (1.0 - parameters_.false_detection_probability));
-  double sum = 0.0;
-  int held_count = 0;
-  for (const Witness& witness : witnesses) {
-    const Landmark* landmark = witness.particle->landmarks.find(record.id);
-    if (landmark == nullptr) continue;
-    held_count += witness.count;
-    const Eigen::Vector2d from_robot_m =
-        landmark->mean_m - witness.particle->map_from_base.translation();
-    const Sight sight = view.look(witness.base_from_map * from_robot_m);
-    if (sight == Sight::kEmpty) {
-      sum += witness.count * kPassedLogOdds;
-    } else if (sight == Sight::kVisible && knownFrom(record, -from_robot_m)) {
-      sum += witness.count * missed;
-    }
-  }
-  return held_count > 0 ? sum / held_count : 0.0;
-}
-
-void FastSlam::remove(LandmarkId id) {
-  registry_.remove(id);
-  for (Particle& particle : particles_) particle.landmarks.erase(id);
 }
 
 void FastSlam::resample() {
@@ -520,19 +392,6 @@ void FastSlam::resample() {
   particles_ = std::move(particles);
   for (Particle& particle : particles_) particle.log_weight = 0.0;
   forgetAbandoned();
-}
-
-void FastSlam::forgetAbandoned() {
-  std::vector<LandmarkId> abandoned;
-  for (const LandmarkRecord& record : registry_.records()) {
-    const bool held =
-        particles_[best_].landmarks.find(record.id) != nullptr ||
-        std::any_of(particles_.begin(), particles_.end(), [&record](const Particle& particle) {
-          return particle.landmarks.find(record.id) != nullptr;
-        });
-    if (!held) abandoned.push_back(record.id);
-  }
-  for (const LandmarkId id : abandoned) registry_.remove(id);
 }
 
 LandmarkMap FastSlam::landmarks() const {

@@ -42,6 +42,21 @@ void MapDrift::fallBack(const Eigen::Matrix3d& before, const PoseWithCovariance2
     covariance_ = covariance;
 }
 
+Eigen::Matrix3d MapDrift::bridged(const Eigen::Matrix3d& drift,
+                                  const MapDrift& open,
+                                  const Eigen::Vector2d& place_m) const {
+  const Eigen::Matrix3d by_motion = byMotion({place_m.x(), place_m.y(), 0.0});
+  const auto sizeHere = [&by_motion](const Eigen::Matrix3d& covariance) {
+    return sizeOf(by_motion * covariance * by_motion.transpose());
+  };
+  const double closed = sizeHere(covariance_);
+  const double length = sizeHere(open.covariance_) - closed;
+  if (!(length > 0.0)) return drift;
+  const double share = (sizeHere(drift) - closed) / length;
+  if (!(share > 0.0 && share <= 1.0)) return drift;
+  return covariance_ + (1.0 - share) * (drift - covariance_);
+}
+
 void MapDrift::cover(const PoseWithCovariance2& map_from_base) {
   if (sizeOf(at(map_from_base.pose)) < sizeOf(map_from_base.covariance)) reset(map_from_base);
 }

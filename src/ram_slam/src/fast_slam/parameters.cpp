@@ -62,6 +62,7 @@ void FastSlamParameters::validate() const {
   requirePositive("unknown_feature_density", unknown_feature_density);
   requireWithin("feature_noise_floor", feature_noise_floor, 0.0, kInfinity);
   requireWithin("drift_inflation", drift_inflation, 1.0, kInfinity);
+  requireWithin("pose_noise_floor", pose_noise_floor, 0.0, kInfinity);
   require(0.0 < evidence_exponent && evidence_exponent <= 1.0, "evidence_exponent",
           evidence_exponent, "in (0, 1]");
   requireWithin("resample_threshold", resample_threshold, 0.0, 1.0);
@@ -96,6 +97,7 @@ FastSlamParameters readFastSlamParameters(ram_parameters::ParameterReader& reade
   reader.read("evidence_exponent", parameters.evidence_exponent);
   reader.read("resample_threshold", parameters.resample_threshold);
   reader.read("drift_inflation", parameters.drift_inflation);
+  reader.read("pose_noise_floor", parameters.pose_noise_floor);
   reader.read("detection_probability", parameters.detection_probability);
   reader.read("false_detection_probability", parameters.false_detection_probability);
   reader.read("confirm_log_odds", parameters.confirm_log_odds);

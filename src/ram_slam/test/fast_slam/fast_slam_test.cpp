@@ -98,7 +98,7 @@ FastSlamParameters plain() {
   parameters.update_distance = parameters.update_angle = 0.0;
   parameters.confirm_log_odds = -1.0;
   parameters.feature_noise_floor = 0.0;
-  parameters.drift_inflation = 1.0;
+  parameters.pose_noise_floor = 0.0;
   return parameters;
 }
 
@@ -419,6 +419,36 @@ public:
   }
   double range_m() const override { return 5.0; }
 };
+
+/// Shows something everywhere.
+class FullView : public FieldOfView {
+public:
+  Sight look(const Eigen::Vector2d& /*point_in_base_m*/) const override { return Sight::kVisible; }
+  double range_m() const override { return 10.0; }
+};
+
+TEST(FastSlam, LandmarkThatADetectorOverlooksIsDoubtedButKept) {
+  FastSlam filter(plain());
+  SyntheticOdometry odometry;
+  Random random(1);
+  const FullView view;
+  for (int i = 1; i <= 10; ++i) {
+    odometry.add(i, {}, {}, random);
+    filter.update(oneFeature(i, {2.0, 0.0}, 1e-4), odometry, &view);
+  }
+  ASSERT_EQ(filter.landmarks().landmarks.size(), 1U);
+  const LandmarkId id = filter.landmarks().landmarks[0].id;
+  EXPECT_GT(filter.landmarks().landmarks[0].existence_log_odds, 2.0);
+  for (int i = 11; i <= 60; ++i) {
+    odometry.add(i, {}, {}, random);
+    filter.update(oneFeature(i, {-3.0, 0.0}, 1e-4), odometry, &view);
+  }
+  ASSERT_NE(filter.registry().find(id), nullptr);
+  EXPECT_EQ(filter.registry().find(id)->existence_log_odds, 0.0);
+  odometry.add(61, {}, {}, random);
+  filter.update(oneFeature(61, {2.0, 0.0}, 1e-4), odometry, &view);
+  EXPECT_GT(filter.registry().find(id)->existence_log_odds, 2.0);  // the same again
+}
 
 TEST(FastSlam, LandmarkInEmptySpaceIsRemoved) {  // S156
   FastSlam filter(plain());

@@ -38,6 +38,23 @@ TEST(MapDrift, FallsBackToWhatItWasWhenLandmarksOfThenAreSeen) {
   EXPECT_EQ(drift.covariance(), least);
 }
 
+TEST(MapDrift, AClosedLoopTellsAboutItsMiddleAsABrownianBridgeDoes) {
+  const Eigen::Matrix3d step = Eigen::Vector3d(1e-4, 1e-4, 0.0).asDiagonal();
+  MapDrift open;
+  Eigen::Matrix3d middle, early;
+  for (int i = 0; i < 100; ++i) {
+    if (i == 25) early = open.covariance();
+    if (i == 50) middle = open.covariance();
+    open.move({}, {{}, step});
+  }
+  MapDrift closed = open;
+  closed.fallBack(Eigen::Matrix3d::Zero(), {{}, Eigen::Matrix3d::Zero()});
+  // t (T - t) / T of the variance per step
+  EXPECT_NEAR((closed.bridged(middle, open, {}) - 25.0 * step).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((closed.bridged(early, open, {}) - 18.75 * step).norm(), 0.0, 1e-12);
+  EXPECT_EQ(open.bridged(middle, open, {}), middle);  // nothing was closed
+}
+
 TEST(MapDrift, IsNeverLessThanThePosesOwnCovariance) {
   MapDrift drift;
   const PoseWithCovariance2 pose{{5.0, 1.0, 2.0}, 0.01 * Eigen::Matrix3d::Identity()};

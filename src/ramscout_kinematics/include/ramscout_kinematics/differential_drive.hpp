@@ -8,10 +8,10 @@ namespace ramscout_kinematics {
 /// Two driven wheels on one axle; the base frame sits in the middle of that axle.
 struct DifferentialDriveParameters {
   double wheel_separation_m = 0.36;
-  /// Variance of a wheel's travel per metre of it: 5e-8 suits odometry refined by scans, 1e-5
+  /// Variance of a wheel's travel per metre of it: 1e-8 suits odometry refined by scans, 1e-5
   /// (3 mm after 1 m) wheels alone.
-  double left_noise_m2_per_m = 5e-8;
-  double right_noise_m2_per_m = 5e-8;
+  double left_noise_m2_per_m = 1e-8;
+  double right_noise_m2_per_m = 1e-8;
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;

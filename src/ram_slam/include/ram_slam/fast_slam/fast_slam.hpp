@@ -125,6 +125,12 @@ private:
     int count;                      ///< of the kWitnesses shares that it stands for
   };
 
+  /// Log-odds that a landmark loses because it was not found where the view ...
+  struct Doubt {
+    double overlooked = 0.0;  ///< ... shows something
+    double passed = 0.0;      ///< ... shows that there is nothing
+  };
+
   Step step(std::int64_t stamp_ns, const MotionModel& motion) const;
   void move(const Step& step);
   std::vector<DescriptorPointer> describe(const FeatureList& list) const;
@@ -149,10 +155,9 @@ private:
                      const std::vector<Association>& associations);
   void rate(const Evidence& evidence);
   void collectEvidence(const FieldOfView* view);
-  /// Log-odds that a landmark loses because the view shows it where it was not found.
-  double doubt(const LandmarkRecord& record,
-               const FieldOfView& view,
-               const std::vector<Witness>& witnesses) const;
+  Doubt doubtOf(const LandmarkRecord& record,
+                const FieldOfView& view,
+                const std::vector<Witness>& witnesses) const;
   std::vector<Witness> witnesses() const;
   void updateEstimate(const std::vector<double>& weights);
   /// Makes the estimate's covariance that of a pose in the frame of the start.

@@ -27,13 +27,14 @@ struct LandmarkRecord {
   std::int64_t placed_ns = 0;            ///< when it was first put into a map
   std::vector<DescriptorPointer> views;  ///< how it looked, from different places
   double existence_log_odds = 0.0;
+  bool was_confirmed = false;    ///< at some time
   double matched_weight = 0.0;   ///< share of the particles that saw it in the last reading
   Eigen::AlignedBox2d bounds_m;  ///< encloses where it can be matched, in every particle
   std::uint32_t seen_from = 0;   ///< bit per sector of the direction from the landmark to the robot
   double seen_within_m = 0.0;    ///< largest distance at which it was seen
   Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();  ///< MapDrift::covariance() at its creation
-  double orientation_rad = 0.0;  ///< in the map, mean of what was seen
-  double orientation_variance_rad2 = 1e6;  ///< 1e6: not observed
+  double orientation_rad = 0.0;                     ///< in the map, mean of what was seen
+  double orientation_variance_rad2 = 1e6;           ///< 1e6: not observed
 };
 
 /// The landmarks that some particle holds, in the order of their identifiers. Identifiers are never

@@ -22,6 +22,12 @@ public:
   /// The robot sees landmarks created when the drift was `before`; `seen` is its pose relative to
   /// them. No effect if that tells less than what is known.
   void fallBack(const Eigen::Matrix3d& before, const PoseWithCovariance2& seen);
+  /// What a closed loop tells about a part of the map that was learned in between, with `drift`
+  /// then: the farther along between both ends, the more of it is gone (a Brownian bridge). The
+  /// drift itself if no loop was closed. \param open  the drift before the loop was closed
+  Eigen::Matrix3d bridged(const Eigen::Matrix3d& drift,
+                          const MapDrift& open,
+                          const Eigen::Vector2d& place_m) const;
   /// Never less than the covariance of this pose.
   void cover(const PoseWithCovariance2& map_from_base);
 

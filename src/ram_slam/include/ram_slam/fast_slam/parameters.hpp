@@ -43,8 +43,10 @@ struct FastSlamParameters {
                                     ///< alike, so that they count for less
   double resample_threshold = 0.5;  ///< resample below this fraction of effective particles
 
-  double drift_inflation = 4.0;  ///< variance of the drift over that of the motion model: how much
+  double drift_inflation = 1.0;  ///< variance of the drift over that of the motion model: how much
                                  ///< more than white noise the odometry's errors add up to
+  double pose_noise_floor = 0.01;  ///< [m] the pose is never more certain than this per axis, and
+                                   ///< its yaw than this at the distance of 5 m
 
   double detection_probability = 0.5;         ///< that a landmark in view is found in one reading
   double false_detection_probability = 0.05;  ///< that something is found where no landmark is

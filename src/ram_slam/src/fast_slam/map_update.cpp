@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <map>
+
+#include "ram_slam/fast_slam/fast_slam.hpp"
+
+namespace ram_slam {
+
+void FastSlam::updateMaps(const FeatureList& list,
+                          const std::vector<DescriptorPointer>& descriptors,
+                          const std::vector<Observation>& observations,
+                          const std::vector<Evidence>& evidence) {
+  const std::vector<double> weights = this->weights();
+  std::vector<std::optional<LandmarkId>> fresh_ids(observations.size());
+  std::map<LandmarkId, double> matched_weights;  // of the landmarks that some particle changed
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    Particle& particle = particles_[k];
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      const Association& association = evidence[k].associations[i];
+      const PointMeasurement& measured = observations[i].measured;
+      if (association.verdict == Verdict::kMatched) {
+        const Landmark& before = *particle.landmarks.find(association.id);
+        const Innovation found = innovation(particle.map_from_base, before, measured);
+        particle.landmarks.set(association.id, updated(before, found, measured));
+        matched_weights[association.id] += weights[k];
+      } else if (association.verdict == Verdict::kNew) {
+        std::optional<LandmarkId> id = idUsedElsewhere(observations[i], particle);
+        if (!id && !fresh_ids[i]) {
+          LandmarkRecord& record = registry_.create(list.features[i], descriptors[i]);
+          record.placed_ns = stamp_ns_;
+          record.seen_within_m = list.features[i].position_m.norm();
+          record.drift = drift_.covariance();
+          fresh_ids[i] = record.id;
+        }
+        if (!id) id = fresh_ids[i];
+        particle.landmarks.set(*id, createLandmark(particle.map_from_base, measured));
+        matched_weights[*id] += 0.0;
+      }
+    }
+  }
+  for (const auto& [id, weight] : matched_weights) {
+    LandmarkRecord& record = *registry_.find(id);
+    record.matched_weight = weight;
+    refreshBounds(record);
+  }
+  rememberViews(list, descriptors, evidence[best_].associations);
+}
+
+std::optional<LandmarkId> FastSlam::idUsedElsewhere(const Observation& observation,
+                                                    const Particle& particle) const {
+  const Eigen::Vector2d place_m = particle.map_from_base * observation.measured.position_m;
+  std::optional<LandmarkId> nearest;
+  double least_m = parameters_.minimum_feature_separation;
+  for (const Prospect& prospect : observation.prospects) {
+    if (particle.landmarks.find(prospect.id) != nullptr) continue;
+    const LandmarkRecord& record = *registry_.find(prospect.id);
+    const double distance_m = (record.bounds_m.center() - place_m).norm();
+    if (distance_m >= least_m) continue;
+    least_m = distance_m;
+    nearest = prospect.id;
+  }
+  return nearest;
+}
+
+void FastSlam::rememberViews(const FeatureList& list,
+                             const std::vector<DescriptorPointer>& descriptors,
+                             const std::vector<Association>& associations) {
+  const Particle& best = particles_[best_];
+  for (std::size_t i = 0; i < associations.size(); ++i) {
+    if (associations[i].verdict != Verdict::kMatched) continue;
+    LandmarkRecord& record = *registry_.find(associations[i].id);
+    const Eigen::Vector2d robot_from_landmark_m =
+        best.map_from_base.translation() - best.landmarks.find(record.id)->mean_m;
+    addView(record, robot_from_landmark_m, matcher(record.type), descriptors[i]);
+    addOrientation(record, best.map_from_base.yaw_rad + list.features[i].orientation_rad,
+                   list.features[i].orientation_variance_rad2);
+  }
+}
+
+void FastSlam::refreshBounds(LandmarkRecord& record) const {
+  const double gate = std::sqrt(parameters_.creation_gate);
+  record.bounds_m.setEmpty();
+  for (const Particle& particle : particles_) {
+    const Landmark* landmark = particle.landmarks.find(record.id);
+    if (landmark == nullptr) continue;
+    const double reach_m = gate * std::sqrt(landmark->covariance_m2.trace());
+    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() - reach_m));
+    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() + reach_m));
+  }
+}
+
+}  // namespace ram_slam
