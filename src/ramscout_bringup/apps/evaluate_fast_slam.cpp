@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
       const Trajectory truth = readTrajectory(files[i + 1]);
       for (const std::string& config : configs) {
         const SlamParameters parameters = readSlamParameters(config);
-        print(files[i] + " " + config, scoreFilter(parameters, steps, truth));
+        print(files[i] + " " + config, scoreFilter(parameters, Estimator::kFilter, steps, truth));
       }
     }
   } catch (const std::exception& error) {

@@ -9,7 +9,8 @@
 #include <optional>
 
 #include <Eigen/LU>
-#include <ram_slam/fast_slam/fast_slam.hpp>
+#include <ram_slam/relocalisation/recovering_slam.hpp>
+#include <ram_slam/smoothing/map_smoother.hpp>
 #include <ramscout_feature_detector/corner_matcher.hpp>
 #include <ramscout_kinematics/kinematics.hpp>
 
@@ -18,7 +19,6 @@
 namespace ramscout_bringup {
 namespace {
 
-using ram_slam::FastSlam;
 using ram_slam::Pose2;
 using ram_slam::Trajectory;
 
@@ -43,25 +43,44 @@ Eigen::Vector2d medianPlace(const std::vector<Sighting>& sightings) {
   return {xs[xs.size() / 2], ys[ys.size() / 2]};
 }
 
-/// A run of the filter over prepared steps, judged by the truth.
+ram_slam::RecoveryParameters recovery(const SlamParameters& parameters, Estimator estimator) {
+  ram_slam::RecoveryParameters recovery = parameters.recovery;
+  if (estimator == Estimator::kFilter) recovery.enabled = false;
+  return recovery;
+}
+
+/// A run of the estimator over prepared steps, judged by the truth.
 class Run {
 public:
   Run(const SlamParameters& parameters,
+      Estimator estimator,
       const std::vector<FilterStep>& steps,
       const Trajectory& truth)
       : parameters_(parameters),
         steps_(steps),
         truth_(truth),
         kinematics_(parameters.kinematics),
-        filter_(parameters.fast_slam,
-                {{ramscout_feature_detector::kCornerType,
-                  std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}) {}
+        slam_(parameters.fast_slam,
+              recovery(parameters, estimator),
+              {{ramscout_feature_detector::kCornerType,
+                std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}) {
+    if (estimator == Estimator::kDeployed) smoother_.emplace(parameters.map_smoother);
+  }
 
   FilterScore score() {
-    for (const FilterStep& step : steps_) take(step);
+    for (const FilterStep& step : steps_) {
+      take(step);
+      if (&step == &steps_[steps_.size() / 2]) rememberLandmarks();
+    }
+    if (smoother_) {
+      smoother_->optimize();
+      follow();
+    }
     FilterScore score;
-    const TruthComparison comparison = compareWithTruth(filter_.trajectory(), truth_);
+    const TruthComparison comparison = compareWithTruth(slam_.filter().trajectory(), truth_);
     score.ate_m = comparison.position_m.rms;
+    score.online_ate_m = compareWithTruth(online_, truth_).position_m.rms;
+    score.times_lost = times_lost_;
     Trajectory odometry;
     for (const FilterStep& step : steps_)
       odometry.push_back({step.reading.stampNs(), step.odom_from_base});
@@ -82,29 +101,64 @@ private:
   void take(const FilterStep& step) {
     const std::int64_t stamp_ns = step.reading.stampNs();
     kinematics_.add({stamp_ns, step.odom_from_base});
-    const ram_slam::LaserView view(step.reading.scan, step.reading.base_from_laser);
-    filter_.update(step.features, kinematics_, &view);
+    const auto view = std::make_shared<const ram_slam::LaserView>(step.reading.scan,
+                                                                  step.reading.base_from_laser);
+    const bool was_lost = slam_.lost();
+    slam_.update(step.features, kinematics_, view);
+    times_lost_ += slam_.lost() && !was_lost ? 1 : 0;
+    if (smoother_) smooth(step);
     const auto truth = ram_slam::poseAt(truth_, stamp_ns);
     if (!truth) return;
     if (!start_) start_ = *truth;
     const Pose2 wanted = start_->inverse() * *truth;
-    const ram_slam::PoseWithCovariance2& estimate = filter_.estimate();
+    const ram_slam::PoseWithCovariance2 estimate = slam_.estimate();
+    online_.push_back({stamp_ns, estimate.pose});
     const Eigen::Vector3d error(estimate.pose.x_m - wanted.x_m, estimate.pose.y_m - wanted.y_m,
                                 ram_slam::wrapAngle(estimate.pose.yaw_rad - wanted.yaw_rad));
     squares_m2_ += error.head<2>().squaredNorm();
     const Eigen::Matrix3d covariance = estimate.covariance + 1e-10 * Eigen::Matrix3d::Identity();
     nees_.push_back(error.dot(covariance.inverse() * error));
+    if (slam_.lost()) return;
     for (std::size_t i = 0; i < step.features.features.size(); ++i) {
-      const ram_slam::Association& association = filter_.associations()[i];
+      const ram_slam::Association& association = slam_.filter().associations()[i];
       if (association.verdict != ram_slam::Verdict::kMatched) continue;
       sightings_[association.id].push_back(
           {stamp_ns, wanted * step.features.features[i].position_m});
     }
   }
 
+  /// As MapSmootherNode does it, with the scans' stamps for the clock.
+  void smooth(const FilterStep& step) {
+    smoother_->addScan(step.reading.scan, step.reading.base_from_laser, step.odom_from_base);
+    const std::int64_t stamp_ns = step.reading.stampNs();
+    const auto period_ns =
+        static_cast<std::int64_t>(parameters_.map_smoother.optimize_period_s * 1e9);
+    const bool is_new = smoother_->closures().size() != optimized_closures_;
+    if (is_new && stamp_ns >= optimized_ns_ + period_ns) {
+      smoother_->optimize();
+      optimized_closures_ = smoother_->closures().size();
+      optimized_ns_ = stamp_ns;
+      follow();
+    } else if (smoother_->correctionCount() != followed_corrections_) {
+      follow();
+    }
+  }
+
+  void follow() {
+    if (slam_.lost()) return;
+    followed_corrections_ = smoother_->correctionCount();
+    slam_.followTrajectory(smoother_->trajectory());
+  }
+
+  void rememberLandmarks() {
+    for (const ram_slam::LandmarkEstimate& landmark : slam_.filter().landmarks().landmarks) {
+      if (landmark.existence_log_odds >= parameters_.fast_slam.confirm_log_odds)
+        known_at_half_.push_back(landmark.id);
+    }
+  }
+
   void judgeLandmarks(FilterScore& score) const {
-    const std::int64_t first_ns = steps_.front().reading.stampNs();
-    const std::int64_t half_ns = first_ns + (steps_.back().reading.stampNs() - first_ns) / 2;
+    const std::int64_t half_ns = steps_[steps_.size() / 2].reading.stampNs();
     std::size_t matches = 0;
     std::size_t wrong = 0;
     std::map<ram_slam::LandmarkId, Eigen::Vector2d> places;
@@ -117,26 +171,27 @@ private:
     }
     score.false_matches =
         static_cast<double>(wrong) / static_cast<double>(std::max<std::size_t>(matches, 1));
-    for (const ram_slam::LandmarkEstimate& landmark : filter_.landmarks().landmarks) {
+    for (const ram_slam::LandmarkEstimate& landmark : slam_.filter().landmarks().landmarks) {
       if (landmark.existence_log_odds < parameters_.fast_slam.confirm_log_odds) continue;
       ++score.landmarks;
       const auto found = places.find(landmark.id);
       if (found != places.end() && isInFreeSpace(found->second)) ++score.in_free_space;
     }
-    // Places at which something was found in the second half and, before, in the first.
-    for (const auto& [id, sightings] : sightings_) {
-      if (sightings.front().stamp_ns > half_ns) continue;
-      const Eigen::Vector2d place = places[id];
+    // Landmarks that were known at half time, and at whose place something was found later.
+    for (const ram_slam::LandmarkId id : known_at_half_) {
+      const auto known = sightings_.find(id);
+      if (known == sightings_.end()) continue;
+      const Eigen::Vector2d place_m = places[id];
       bool seen_later = false;
       for (const auto& [other, others] : sightings_) {
         for (const Sighting& sighting : others) {
           seen_later = seen_later || (sighting.stamp_ns > half_ns &&
-                                      (sighting.place_m - place).norm() < 0.5 * kSamePlace_m);
+                                      (sighting.place_m - place_m).norm() < 0.5 * kSamePlace_m);
         }
       }
       if (!seen_later) continue;
       ++score.due_again;
-      if (sightings.back().stamp_ns > half_ns) ++score.found_again;
+      if (known->second.back().stamp_ns > half_ns) ++score.found_again;
     }
   }
 
@@ -159,30 +214,38 @@ private:
   const std::vector<FilterStep>& steps_;
   const Trajectory& truth_;
   ramscout_kinematics::Kinematics kinematics_;
-  FastSlam filter_;
+  ram_slam::RecoveringSlam slam_;
+  std::optional<ram_slam::MapSmoother> smoother_;
+  std::size_t optimized_closures_ = 0;
+  std::int64_t optimized_ns_ = 0;
+  int followed_corrections_ = 0;
+  int times_lost_ = 0;
   std::optional<Pose2> start_;
+  Trajectory online_;
   double squares_m2_ = 0.0;
   std::vector<double> nees_;
   std::map<ram_slam::LandmarkId, std::vector<Sighting>> sightings_;
+  std::vector<ram_slam::LandmarkId> known_at_half_;
 };
 
 }  // namespace
 
 FilterScore scoreFilter(const SlamParameters& parameters,
+                        Estimator estimator,
                         const std::vector<FilterStep>& steps,
                         const Trajectory& truth) {
-  return Run(parameters, steps, truth).score();
+  return Run(parameters, estimator, steps, truth).score();
 }
 
 void print(const std::string& name, const FilterScore& s) {
   std::printf(
-      "%-24s ATE %.4f m (odometry alone %.4f m) yaw %.3f deg online %.4f m | NEES mean %.1f in "
-      "band %.0f %% above %.0f %% "
-      "| "
-      "false %.2f %% | landmarks %zu found again %zu of %zu in free space %zu\n",
-      name.c_str(), s.ate_m, s.odometry_m, s.yaw_rad * 180.0 / M_PI, s.online_m, s.nees,
-      100.0 * s.nees_in_band, 100.0 * s.nees_above_band, 100.0 * s.false_matches, s.landmarks,
-      s.found_again, s.due_again, s.in_free_space);
+      "%-32s ATE %.4f m (odometry %.4f) yaw %.3f deg online %.4f m, not aligned %.4f m | NEES mean "
+      "%.1f in band %.0f %% above %.0f %% | false %.2f %% | landmarks %zu found again %zu of %zu "
+      "in "
+      "free space %zu | lost %d\n",
+      name.c_str(), s.ate_m, s.odometry_m, s.yaw_rad * 180.0 / M_PI, s.online_ate_m, s.online_m,
+      s.nees, 100.0 * s.nees_in_band, 100.0 * s.nees_above_band, 100.0 * s.false_matches,
+      s.landmarks, s.found_again, s.due_again, s.in_free_space, s.times_lost);
   std::fflush(stdout);
 }
 

@@ -19,13 +19,20 @@ struct FilterStep {
   ram_slam::Pose2 odom_from_base;
 };
 
-/// How good FastSlam alone was on a recording of which the truth is known.
+/// Which part of the estimator is judged.
+enum class Estimator {
+  kFilter,    ///< FastSlam alone
+  kDeployed,  ///< as the nodes run it: RecoveringSlam, which follows MapSmoother
+};
+
+/// How good the estimator was on a recording of which the truth is known.
 struct FilterScore {
-  double ate_m = 0.0;
+  double ate_m = 0.0;       ///< of the trajectory at the end
   double odometry_m = 0.0;  ///< the same of the odometry that the filter is given
   double yaw_rad = 0.0;
-  double online_m = 0.0;  ///< of the estimate as it was known then, in the frame of the start
-  double nees = 0.0;      ///< mean
+  double online_ate_m = 0.0;  ///< of the estimates as they were known then
+  double online_m = 0.0;      ///< the same in the frame of the start, not aligned
+  double nees = 0.0;          ///< mean
   double nees_in_band = 0.0;
   double nees_above_band = 0.0;
   double false_matches = 0.0;  ///< part of all matches
@@ -33,10 +40,12 @@ struct FilterScore {
   std::size_t found_again = 0;  ///< of those that could be: seen in both halves
   std::size_t due_again = 0;
   std::size_t in_free_space = 0;
+  int times_lost = 0;
 };
 
-/// Runs the filter over the steps, and judges it by the truth. docs/fast_slam.md says how.
+/// Runs the estimator over the steps, and judges it by the truth. docs/fast_slam.md says how.
 FilterScore scoreFilter(const SlamParameters& parameters,
+                        Estimator estimator,
                         const std::vector<FilterStep>& steps,
                         const ram_slam::Trajectory& truth);
 

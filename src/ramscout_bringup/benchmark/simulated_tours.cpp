@@ -4,6 +4,7 @@
 //
 //   simulated_tours --config DIR [--config DIR ...] FIRST_SEED COUNT [METRES]
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -90,10 +91,13 @@ int main(int argc, char** argv) {
       const Recorded recorded =
           record(configs.front(), readSlamParameters(configs.front()), seed, length_m);
       for (const std::string& config : configs) {
-        char name[100];
-        std::snprintf(name, sizeof name, "seed %d, %.0f m, %s", seed, recorded.length_m,
-                      config.c_str());
-        print(name, scoreFilter(readSlamParameters(config), recorded.steps, recorded.truth));
+        const SlamParameters parameters = readSlamParameters(config);
+        const std::string name = "seed " + std::to_string(seed) + ", " +
+                                 std::to_string(std::lround(recorded.length_m)) + " m, " + config;
+        print(name + ", filter",
+              scoreFilter(parameters, Estimator::kFilter, recorded.steps, recorded.truth));
+        print(name + ", deployed",
+              scoreFilter(parameters, Estimator::kDeployed, recorded.steps, recorded.truth));
       }
     }
   } catch (const std::exception& error) {
