@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/fast_slam/landmark_map.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace ram_slam {
 namespace {
@@ -51,6 +53,27 @@ Summary summarise(const LandmarkRecord& record,
   return summary;
 }
 
+/// For each landmark those after it that are near enough to be correlated.
+std::vector<std::vector<std::size_t>> neighboursAfter(const std::vector<Summary>& summaries) {
+  std::vector<std::size_t> by_x(summaries.size());
+  std::iota(by_x.begin(), by_x.end(), 0U);
+  std::sort(by_x.begin(), by_x.end(), [&summaries](std::size_t a, std::size_t b) {
+    return summaries[a].estimate.mean_m.x() < summaries[b].estimate.mean_m.x();
+  });
+  std::vector<std::vector<std::size_t>> neighbours(summaries.size());
+  for (std::size_t a = 0; a < by_x.size(); ++a) {
+    const Eigen::Vector2d& here_m = summaries[by_x[a]].estimate.mean_m;
+    for (std::size_t b = a + 1; b < by_x.size(); ++b) {
+      const Eigen::Vector2d& there_m = summaries[by_x[b]].estimate.mean_m;
+      if (there_m.x() - here_m.x() > kFarthestPair_m) break;
+      if ((there_m - here_m).norm() > kFarthestPair_m) continue;
+      neighbours[std::min(by_x[a], by_x[b])].push_back(std::max(by_x[a], by_x[b]));
+    }
+  }
+  for (std::vector<std::size_t>& each : neighbours) std::sort(each.begin(), each.end());
+  return neighbours;
+}
+
 bool correlated(const Eigen::Matrix2d& cross,
                 const LandmarkEstimate& a,
                 const LandmarkEstimate& b) {
@@ -76,11 +99,11 @@ LandmarkMap summarise(const LandmarkRegistry& registry,
     }
   }
   LandmarkMap map;
+  const std::vector<std::vector<std::size_t>> later = neighboursAfter(summaries);
   for (std::size_t i = 0; i < summaries.size(); ++i) {
     const LandmarkEstimate& first = summaries[i].estimate;
-    for (std::size_t j = i + 1; j < summaries.size(); ++j) {
+    for (const std::size_t j : later[i]) {
       const LandmarkEstimate& second = summaries[j].estimate;
-      if ((first.mean_m - second.mean_m).norm() > kFarthestPair_m) continue;
       const Eigen::Matrix2d cross = summaries[i].deviations * summaries[j].deviations.transpose();
       if (correlated(cross, first, second)) map.covariances.push_back({first.id, second.id, cross});
     }

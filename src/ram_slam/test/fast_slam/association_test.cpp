@@ -79,5 +79,19 @@ TEST(Associate, OneThingFoundTwiceIsNotTwoLandmarks) {
             Verdict::kNew);
 }
 
+TEST(AssociateByDistance, BetweenTheTwoDistancesAFeatureIsNeitherMatchedNorNew) {  // fault F127
+  const FastSlamParameters parameters;
+  const auto verdictAt = [&parameters](double distance_m) {
+    return associateByDistance(observationsOf({{2.0 + distance_m, 0.0}}, 1), treeOf({{2.0, 0.0}}),
+                               {}, parameters)
+        .associations[0]
+        .verdict;
+  };
+  EXPECT_EQ(verdictAt(0.99 * parameters.feature_match_distance), Verdict::kMatched);
+  EXPECT_EQ(verdictAt(1.01 * parameters.feature_match_distance), Verdict::kIgnored);
+  EXPECT_EQ(verdictAt(0.99 * parameters.minimum_feature_separation), Verdict::kIgnored);
+  EXPECT_EQ(verdictAt(1.01 * parameters.minimum_feature_separation), Verdict::kNew);
+}
+
 }  // namespace
 }  // namespace ram_slam

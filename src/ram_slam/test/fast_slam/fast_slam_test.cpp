@@ -364,6 +364,47 @@ TEST_P(CloseTogether, LandmarksAreNeitherSwappedNorDoubled) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, CloseTogether, testing::Values(3, 4, 5));
 
+/// Confirmed landmarks on a grid of 1 m around the origin.
+LandmarkMap gridOf(int side) {
+  LandmarkMap map;
+  for (int i = 0; i < side * side; ++i) {
+    LandmarkEstimate landmark;
+    landmark.id = static_cast<LandmarkId>(i);
+    landmark.type = "pole";
+    landmark.mean_m = {i % side - side / 2 + 0.5, i / side - side / 2 + 0.5};
+    landmark.covariance_m2 = 1e-6 * Eigen::Matrix2d::Identity();
+    landmark.existence_log_odds = 5.0;
+    map.landmarks.push_back(landmark);
+  }
+  return map;
+}
+
+TEST(FastSlam, MapWithASingularCovarianceIsRefused) {  // fault F130
+  FastSlam filter(plain());
+  filter.setMap(gridOf(2));
+  LandmarkMap bad = gridOf(3);
+  bad.landmarks[4].covariance_m2 << 1e-4, 1e-4, 1e-4, 1e-4;
+  EXPECT_THROW(filter.setMap(bad), std::invalid_argument);
+  EXPECT_EQ(filter.landmarks().landmarks.size(), 4U);
+}
+
+TEST(FastSlam, FindsItsWayAmongAHundredThousandLandmarks) {  // fault F131
+  constexpr int kSide = 316;
+  FastSlamParameters parameters = plain();
+  parameters.particle_amount = 10;
+  FastSlam filter(parameters);
+  filter.setMap(gridOf(kSide));
+  SyntheticOdometry odometry;
+  Random random(1);
+  for (int i = 1; i <= 5; ++i) {
+    odometry.add(i, {}, {}, random);
+    filter.update(oneFeature(i, {0.5, 0.5}, 1e-4), odometry);
+    ASSERT_EQ(filter.associations()[0].verdict, Verdict::kMatched);
+    EXPECT_EQ(filter.associations()[0].id, static_cast<LandmarkId>(kSide * kSide / 2 + kSide / 2));
+  }
+  EXPECT_EQ(filter.landmarks().landmarks.size(), static_cast<std::size_t>(kSide * kSide));
+}
+
 TEST(FastSlam, DetectorsThatTakeTurnsMakeOneMap) {
   // Every other list comes from a second detector, of another type, and some of both at one
   // instant.
