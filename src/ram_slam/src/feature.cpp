@@ -1,12 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/feature.hpp"
 
+#include <cmath>
+
 namespace ram_slam {
 namespace {
 
 constexpr std::int64_t kLongestIntervalNs = 1'000'000'000;
 
 }  // namespace
+
+double orientationLogRatio(double difference_rad, double variance_rad2, double wrong_share) {
+  if (!(variance_rad2 <= 1.0)) return 0.0;
+  const double away_rad = wrapAngle(difference_rad);
+  const double density =
+      std::exp(-0.5 * away_rad * away_rad / variance_rad2) / std::sqrt(2.0 * M_PI * variance_rad2);
+  return std::log((1.0 - wrong_share) * 2.0 * M_PI * density + wrong_share);
+}
 
 FeatureList seenAtOnce(FeatureList list, const Pose2& motion, std::int64_t interval_ns) {
   if (interval_ns <= 0 || interval_ns > kLongestIntervalNs) return list;

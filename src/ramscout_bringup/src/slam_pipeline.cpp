@@ -6,6 +6,7 @@
 #include <memory>
 #include <sstream>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "ram_slam/calibration/mount_calibration.hpp"
@@ -53,11 +54,11 @@ SlamParameters readSlamParameters(const std::string& folder) {
                                          ramscout_feature_detector::readFeatureDetectorParameters);
   parameters.kinematics =
       readFile(folder, "kinematics", ramscout_kinematics::readKinematicsParameters);
-  readFile(folder, "fast_slam", [&parameters](ram_parameters::ParameterReader& reader) {
-    parameters.fast_slam = ram_slam::readFastSlamParameters(reader);
-    parameters.recovery = ram_slam::readRecoveryParameters(reader);
-    return true;
-  });
+  std::tie(parameters.fast_slam, parameters.recovery) =
+      readFile(folder, "fast_slam", [](ram_parameters::ParameterReader& reader) {
+        const ram_slam::FastSlamParameters filter = ram_slam::readFastSlamParameters(reader);
+        return std::pair(filter, ram_slam::readRecoveryParameters(reader));
+      });
   parameters.map_smoother = readFile(folder, "map_smoother", ram_slam::readMapSmootherParameters);
   parameters.occupancy_mapper =
       readFile(folder, "occupancy_mapper", ram_slam::readOccupancyMapperParameters);

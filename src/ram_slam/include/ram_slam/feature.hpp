@@ -23,6 +23,12 @@ struct Feature {
   std::int64_t delay_ns = 0;  ///< seen so long after the list's stamp, in the base frame of then
 };
 
+/// How much likelier [nat] it is that two orientations are of one thing than that they have nothing
+/// to do with each other. 0 if the variance exceeds 1 rad^2: then one of them was not observed.
+/// \param variance_rad2  of their difference
+/// \param wrong_share  of things whose orientation is not seen as it is, in [0, 1)
+double orientationLogRatio(double difference_rad, double variance_rad2, double wrong_share);
+
 /// The features of one reading of one sensor.
 struct FeatureList {
   std::int64_t stamp_ns = 0;

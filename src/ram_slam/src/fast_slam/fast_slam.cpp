@@ -51,19 +51,15 @@ Pose2 draw(const PoseWithCovariance2& from, Random random) {
           wrapAngle(from.pose.yaw_rad + noise.z())};
 }
 
-/// How much likelier the orientation that is seen is if it is that landmark's than by chance [nat].
 double orientationEvidence(const LandmarkRecord& record,
                            const Feature& feature,
                            const PoseWithCovariance2& map_from_base) {
   const double variance_rad2 = record.orientation_variance_rad2 +
                                feature.orientation_variance_rad2 + map_from_base.covariance(2, 2) +
                                kOrientationSigma_rad * kOrientationSigma_rad;
-  if (variance_rad2 > 1.0) return 0.0;  // one of them was not observed
-  const double away_rad =
-      wrapAngle(map_from_base.pose.yaw_rad + feature.orientation_rad - record.orientation_rad);
-  const double density =
-      std::exp(-0.5 * away_rad * away_rad / variance_rad2) / std::sqrt(2.0 * M_PI * variance_rad2);
-  return std::log((1.0 - kWrongOrientations) * 2.0 * M_PI * density + kWrongOrientations);
+  return orientationLogRatio(
+      map_from_base.pose.yaw_rad + feature.orientation_rad - record.orientation_rad, variance_rad2,
+      kWrongOrientations);
 }
 
 std::size_t largest(const std::vector<double>& weights) {

@@ -14,6 +14,7 @@
 #include <Eigen/LU>
 
 #include "ram_parameters/require.hpp"
+#include "ram_slam/feature.hpp"
 
 namespace ram_slam {
 namespace {
@@ -29,7 +30,6 @@ constexpr double kVoteCell_rad = 0.15;
 // Orientations: of things as they are, beyond what detectors state; share that is plainly wrong.
 constexpr double kOrientationSigma_rad = 0.07;
 constexpr double kWrongOrientations = 0.1;
-constexpr double kUnknownVariance_rad2 = 1.0;
 constexpr double kVoteBase = 1.5;  // [nat] a pair of pairs is worth this before its looks
 
 using ram_parameters::require;
@@ -146,17 +146,12 @@ private:
     return difference_m * difference_m < kRigiditySigmas * kRigiditySigmas * variance_m2;
   }
 
-  /// ln of how much likelier the orientations of a pair are if it is the same thing than by chance.
   double orientationEvidence(double yaw_rad, std::size_t t, std::size_t s) const {
     const double variance_rad2 = target_[t].orientation_variance_rad2 +
                                  source_[s].orientation_variance_rad2 +
                                  kOrientationSigma_rad * kOrientationSigma_rad;
-    if (!(variance_rad2 < kUnknownVariance_rad2)) return 0.0;
-    const double off_rad =
-        wrapAngle(yaw_rad + source_[s].orientation_rad - target_[t].orientation_rad);
-    const double density =
-        std::exp(-0.5 * off_rad * off_rad / variance_rad2) / std::sqrt(2.0 * M_PI * variance_rad2);
-    return std::log((1.0 - kWrongOrientations) * 2.0 * M_PI * density + kWrongOrientations);
+    return orientationLogRatio(yaw_rad + source_[s].orientation_rad - target_[t].orientation_rad,
+                               variance_rad2, kWrongOrientations);
   }
 
   Vote vote(const Putative& a, const Putative& b) const {
