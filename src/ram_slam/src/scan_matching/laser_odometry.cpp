@@ -26,6 +26,12 @@ constexpr double kWideSearchAngleRad =
 constexpr double kIntervalM = 0.3;  // over which the bias of the wheels shows
 constexpr double kIntervalRad = 0.3;
 constexpr double kWeakPriorFactor = 100.0;  // by which the variance of disbelieved wheels grows
+// A motion that scans tell and wheels do not, farther than this plus the time at these speeds: the
+// robot was carried away, or the scan laid over the wrong walls.
+constexpr double kReachM = 0.05;
+constexpr double kReachRad = 0.05;
+constexpr double kFastestMps = 2.0;
+constexpr double kFastestRadps = 6.0;
 
 using ram_parameters::require;
 using ram_parameters::requirePositive;
@@ -47,6 +53,12 @@ Eigen::Matrix3d shiftCovariance(const Eigen::Matrix3d& covariance, const Eigen::
 
 Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
   return {a.x_m - b.x_m, a.y_m - b.y_m, wrapAngle(a.yaw_rad - b.yaw_rad)};
+}
+
+/// Whether no robot gets so far in that time.
+bool isOutOfReach(const Pose2& motion, double interval_s) {
+  return motion.translation().norm() > kReachM + kFastestMps * interval_s ||
+         std::abs(motion.yaw_rad) > kReachRad + kFastestRadps * interval_s;
 }
 
 std::vector<Eigen::Vector2f> spread(const std::vector<SurfacePoint>& points,
@@ -145,13 +157,25 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
                       motionDuringScan(scan, laser_motion, scan.stamp_ns - last_.stamp_ns));
   LaserOdometryEstimate estimate;
   estimate.stamp_ns = scan.stamp_ns;
-  const ScanMatch found = match(surfaces, base_from_laser, prediction, estimate.wheels_slipped);
+  ScanMatch found = match(surfaces, base_from_laser, prediction, estimate.wheels_slipped);
   estimate.inlier_ratio = found.inlier_ratio;
+  const Pose2& before = last_.odom_from_base.pose;
+  const double interval_s = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
+  const Pose2 told = before.inverse() * found.map_from_laser * base_from_laser.inverse();
+  estimate.jumped = odom_from_base && last_wheels_ && isOutOfReach(told, interval_s) &&
+                    isOutOfReach(prediction.motion.inverse() * told, interval_s);
+  if (estimate.jumped) {
+    // Whatever walls the scan was laid over, the robot cannot have got there: it goes on from where
+    // the wheels lead.
+    found.map_from_laser = before * prediction.motion * base_from_laser;
+    found.information.setZero();
+    key_scans_.clear();
+  }
 
   // Covariance of the laser in the odometry axes, then of the base in the axes of the base before.
-  const Pose2& before = last_.odom_from_base.pose;
   const Pose2 odom_from_base_now = found.map_from_laser * base_from_laser.inverse();
-  const double variance_factor = estimate.wheels_slipped ? kWeakPriorFactor : 1.0;
+  const double variance_factor =
+      estimate.wheels_slipped || estimate.jumped ? kWeakPriorFactor : 1.0;
   const Eigen::Matrix3d prior_covariance =
       variance_factor * rotate(prediction.covariance, before.yaw_rad);
   const Eigen::Vector2d lever =
@@ -162,13 +186,13 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   estimate.motion.covariance = rotate(shiftCovariance(laser_covariance, lever), -before.yaw_rad);
   estimate.odom_from_base = last_.odom_from_base * estimate.motion;
 
-  if (isKeyScan(found.map_from_laser, found.inlier_ratio)) {
+  if (key_scans_.empty() || isKeyScan(found.map_from_laser, found.inlier_ratio)) {
     key_scans_.push_back({std::move(surfaces), found.map_from_laser});
     if (key_scans_.size() > static_cast<std::size_t>(parameters_.key_scan_count))
       key_scans_.pop_front();
   }
   learnBias(estimate, odom_from_base);
-  last_interval_s_ = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
+  last_interval_s_ = interval_s;
   last_wheels_ = odom_from_base;
   last_ = estimate;
   return estimate;
@@ -241,8 +265,8 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
 
 void LaserOdometry::learnBias(const LaserOdometryEstimate& estimate,
                               const std::optional<Pose2>& wheels) {
-  const bool trusted =
-      wheels && !estimate.wheels_slipped && estimate.inlier_ratio >= parameters_.lost_inlier_ratio;
+  const bool trusted = wheels && !estimate.wheels_slipped && !estimate.jumped &&
+                       estimate.inlier_ratio >= parameters_.lost_inlier_ratio;
   if (trusted && interval_) {
     const Pose2 told = interval_->wheels.inverse() * *wheels;
     if (told.translation().norm() < kIntervalM && std::abs(told.yaw_rad) < kIntervalRad) return;

@@ -64,6 +64,41 @@ TEST(LaserOdometry, RecoversAMotionFromExactScansWithinAMillimetreWithoutWheels)
   EXPECT_LT(std::abs(error.z()), 5e-4);
 }
 
+TEST(LaserOdometry, OfARobotThatIsCarriedAwayGoesOnFromWhereItsWheelsStood) {
+  LaserOdometry odometry{LaserOdometryParameters()};
+  constexpr std::int64_t kScanNs = 25'000'000;
+  const Pose2 moved{0.02, 0.0, 0.0};
+  Pose2 truth{-1.0, 0.0, 0.3};
+  Pose2 wheels;
+  LaserOdometryEstimate estimate;
+  const auto look = [&](int step) {
+    estimate = odometry.update(scanWalls(room(), truth * kMount, step * kScanNs), kMount, wheels);
+  };
+  look(1);
+  truth = {-2.0, 4.0, -1.5};
+  look(2);
+  EXPECT_TRUE(estimate.jumped);
+  EXPECT_LT(difference(estimate.odom_from_base.pose, {}).norm(), 1e-9);
+  for (int step = 3; step < 13; ++step) {
+    truth = truth * moved;
+    wheels = wheels * moved;
+    look(step);
+    EXPECT_FALSE(estimate.jumped);
+  }
+  EXPECT_LT(difference(estimate.odom_from_base.pose, {0.2, 0.0, 0.0}).norm(), 1e-3);
+}
+
+TEST(LaserOdometry, WheelsThatJumpAreNoCarryingAway) {
+  LaserOdometry odometry{LaserOdometryParameters()};
+  const LaserScan here = scanWalls(room(), kMount, kStepNs);
+  odometry.update(here, kMount, Pose2{});
+  LaserScan again = here;
+  again.stamp_ns += kStepNs;
+  const LaserOdometryEstimate estimate = odometry.update(again, kMount, Pose2{0.4, 0.0, 0.3});
+  EXPECT_FALSE(estimate.jumped);
+  EXPECT_LT(difference(estimate.odom_from_base.pose, {}).norm(), 0.01);
+}
+
 TEST(Surfaces, OfALaserThatMovesDuringItsSweepAreWhereTheWallsAre) {
   const Pose2 start{-1.0, 0.5, 0.3};
   const Pose2 last_beam{0.02, 0.005, 0.03};

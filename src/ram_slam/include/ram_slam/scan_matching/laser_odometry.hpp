@@ -61,13 +61,17 @@ struct LaserOdometryEstimate {
   double inlier_ratio =
       0.0;  ///< share of the scan's points that met a surface of the last key scans
   bool wheels_slipped = false;  ///< the scans contradict the wheels beyond their deviation
+  /// And tell of a motion that no robot makes, as one that is carried away: the motion is that of
+  /// the wheels, and later scans are matched with this one and its followers.
+  bool jumped = false;
 };
 
 /// Refines wheel odometry by scans, or replaces it: each scan is aligned with the last key scans.
 ///
 /// Where the scan says nothing (along a corridor, in an empty hall) the wheels, or constant speed,
 /// carry the pose on and the covariance says so. Where the scan contradicts the wheels (slip), the
-/// scan wins. What the wheels get wrong again and again is learned (WheelBias) and taken out before.
+/// scan wins. What the wheels get wrong again and again is learned (WheelBias) and taken out
+/// before.
 class LaserOdometry {
 public:
   /// \throws std::invalid_argument as LaserOdometryParameters::validate()
