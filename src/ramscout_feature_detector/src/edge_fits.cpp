@@ -34,6 +34,9 @@ constexpr double kCornerGain = 12.0;
 constexpr double kBendGain = 16.0;
 constexpr double kCornerWindowM = 0.2;
 constexpr double kFarthestCrossingM = 0.1;
+/// So far from where an end is expected a wall may meet it.
+constexpr double kUnseenSpacings = 2.0;
+constexpr double kUnseenSigmas = 2.0;
 
 double square(double x) {
   return x * x;
@@ -101,6 +104,30 @@ bool mayContinueAt(const EndLine& end, const Eigen::Vector2d& reading_m) {
   const double off_m = normalOf(end.line).dot(reading_m - end.line.centroid_m);
   return square(off_m) <
          square(kContinuationSigmas) * (end.offsetVariance(reading_m) + end.noise_m2);
+}
+
+/// Whether the next two readings lead back to the end: a wall that leaves at a grazing angle meets
+/// it, so it is a corner, of which the last readings may belong to either side.
+///
+/// \param reach_m  how far from the end is still at it
+bool isMetByWall(const EndLine& end,
+                 const Eigen::Vector2d& end_m,
+                 double reach_m,
+                 bool first,
+                 const Beside& beside,
+                 const ram_slam::LaserScan& scan) {
+  const std::size_t count = scan.ranges_m.size();
+  if (!isFullTurn(scan) && beside.next == (first ? 0 : count - 1)) return false;
+  const std::size_t after_next = (beside.next + (first ? count - 1 : 1)) % count;
+  if (scan.at(beside.next) != ram_slam::Return::kHit ||
+      scan.at(after_next) != ram_slam::Return::kHit) {
+    return false;
+  }
+  const Eigen::Vector2d next_m = scan.end_m(beside.next);
+  const Eigen::Vector2d back_m = next_m - scan.end_m(after_next);
+  const Eigen::Vector2d normal = normalOf(end.line);
+  const double steps = normal.dot(end.line.centroid_m - next_m) / normal.dot(back_m);
+  return steps > 0.0 && (next_m + steps * back_m - end_m).norm() < reach_m;
 }
 
 /// Where a beam meets a line.
@@ -190,16 +217,12 @@ double gainAt(const Contour& contour, std::size_t split) {
          contour.residual_m2(split + 1, last);
 }
 
-Edge toEdge(const TwoLineCorner& corner, const Contour& contour) {
+Edge toEdge(const TwoLineCorner& corner) {
   Edge edge;
   edge.kind = Edge::Kind::kBend;
   edge.is_straight = true;
   edge.position_m = corner.position_m;
   edge.covariance_m2 = corner.covariance_m2;
-  if (corner.points < kFewPoints) {
-    const double spacing_m = (contour[corner.split + 1] - contour[corner.split]).norm();
-    edge.covariance_m2 += samplingVariance(spacing_m) * Eigen::Matrix2d::Identity();
-  }
   edge.orientation_rad = corner.orientation_rad;
   edge.orientation_variance_rad2 = corner.orientation_variance_rad2;
   return edge;
@@ -260,23 +283,26 @@ std::optional<Edge> fitEnd(const Contour& contour,
 
   Edge edge;
   edge.kind = Edge::Kind::kEnd;
-  edge.is_straight = found.is_straight;
   edge.position_m = 0.5 * (*last_m + *beyond_m);
   const Eigen::Vector2d step_m = *beyond_m - *last_m;
+  const double reach_m =
+      kUnseenSpacings * step_m.norm() + kUnseenSigmas * parameters.laser_range_sigma;
+  edge.is_straight =
+      found.is_straight && !isMetByWall(found, edge.position_m, reach_m, first, beside, scan);
   const Eigen::Vector2d ray = edge.position_m.normalized();
   const double cos_incidence = std::max(std::abs(normalOf(found.line).dot(ray)), 1e-3);
   edge.covariance_m2 =
       (found.line.count <= kFewPoints ? 2.0 : 1.0) / 12.0 * step_m * step_m.transpose() +
       found.offsetVariance(edge.position_m) / square(cos_incidence) * ray * ray.transpose();
   if (!isCertain(edge.covariance_m2, parameters)) return std::nullopt;
-  edge.covariance_m2 += (found.is_straight ? kStraightModelVarianceM2 : kModelVarianceM2) *
+  edge.covariance_m2 += (edge.is_straight ? kStraightModelVarianceM2 : kModelVarianceM2) *
                         Eigen::Matrix2d::Identity();
   const Eigen::Vector2d outward =
       first ? Eigen::Vector2d(-found.line.direction) : found.line.direction;
   edge.orientation_rad = std::atan2(outward.y(), outward.x());
   edge.orientation_variance_rad2 =
       found.line.angleVariance(found.noise_m2) +
-      (found.is_straight ? kStraightOrientationModelVarianceRad2 : kOrientationModelVarianceRad2);
+      (edge.is_straight ? kStraightOrientationModelVarianceRad2 : kOrientationModelVarianceRad2);
   return edge;
 }
 
@@ -288,13 +314,13 @@ std::vector<Edge> findCorners(const Contour& contour, const EdgeDetectorParamete
         !isPromising(contour, split, legs)) {
       continue;
     }
-    const auto corner = fitCorner(contour, split, legs);
+    const auto corner = fitCorner(contour, split, legs, Contested::kNever);
     if (!corner || corner->cornerness < legs.corner_threshold ||
         corner->significance < parameters.significance_min ||
         !isCertain(corner->covariance_m2, parameters)) {
       continue;
     }
-    corners.push_back(toEdge(*corner, contour));
+    corners.push_back(toEdge(*corner));
   }
   return corners;
 }

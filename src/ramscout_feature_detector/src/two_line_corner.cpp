@@ -14,6 +14,7 @@ namespace {
 constexpr double kBendCornernessShare = 0.6;
 constexpr double kBendSignificanceShare = 0.5;
 constexpr std::size_t kSmallestLegPoints = 3;
+constexpr std::size_t kSmallestCertainPoints = 2;
 
 constexpr double kSplitWindowM = 0.2;
 constexpr double kBendSpacingM = 0.1;
@@ -177,16 +178,23 @@ bool reaches(const Contour& contour,
 
 /// The leg's line without the points closer to the corner than noise reaches: which leg they were
 /// counted to depended on their noise.
-LineFit trimmedLine(const Contour& contour,
-                    Leg leg,
-                    bool before,
-                    const Eigen::Vector2d& corner_m,
-                    double margin_m) {
+/// \return nothing if too few points are left and all of them must be certain
+std::optional<LineFit> trimmedLine(const Contour& contour,
+                                   Leg leg,
+                                   bool before,
+                                   const Eigen::Vector2d& corner_m,
+                                   double margin_m,
+                                   Contested contested) {
+  const std::size_t smallest =
+      contested == Contested::kNever ? kSmallestCertainPoints : kSmallestLegPoints;
   const auto isTooClose = [&](std::size_t index) {
     return std::abs(leg.line.direction.dot(contour[index] - corner_m)) < margin_m;
   };
-  while (leg.last + 1 > leg.first + kSmallestLegPoints &&
-         isTooClose(before ? leg.last : leg.first)) {
+  while (isTooClose(before ? leg.last : leg.first)) {
+    if (leg.last + 1 <= leg.first + smallest) {
+      if (contested == Contested::kNever) return std::nullopt;
+      break;
+    }
     if (before) {
       --leg.last;
     } else {
@@ -225,7 +233,6 @@ std::optional<TwoLineCorner> cross(const LineFit& before,
       0.25 * (before.angleVariance(noise_before_m2) + after.angleVariance(noise_after_m2)) +
       kOrientationModelVarianceRad2;
   corner.cornerness = cornernessOf(before, after);
-  corner.points = std::min(before.count, after.count);
   corner.significance = significanceOf(before, after, parameters);
   return corner;
 }
@@ -291,7 +298,8 @@ bool isPromising(const Contour& contour,
 
 std::optional<TwoLineCorner> fitCorner(const Contour& contour,
                                        std::size_t split,
-                                       const FeatureDetectorParameters& parameters) {
+                                       const FeatureDetectorParameters& parameters,
+                                       Contested contested) {
   const auto before = longestLeg(contour, split, true, parameters);
   const auto after = longestLeg(contour, split + 1, false, parameters);
   if (!before || !after) return std::nullopt;
@@ -303,8 +311,12 @@ std::optional<TwoLineCorner> fitCorner(const Contour& contour,
   }
   const double sin_opening = std::abs(normalOf(before->line).dot(after->line.direction));
   const double margin_m = kMarginSigmas * parameters.laser_range_sigma / sin_opening;
-  auto corner = cross(trimmedLine(contour, *before, true, rough->position_m, margin_m),
-                      trimmedLine(contour, *after, false, rough->position_m, margin_m), parameters);
+  const auto line_before =
+      trimmedLine(contour, *before, true, rough->position_m, margin_m, contested);
+  const auto line_after =
+      trimmedLine(contour, *after, false, rough->position_m, margin_m, contested);
+  if (!line_before || !line_after) return std::nullopt;
+  auto corner = cross(*line_before, *line_after, parameters);
   if (!corner) return std::nullopt;
   corner->split = split;
   return corner;

@@ -6,7 +6,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include <Eigen/LU>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -82,88 +81,6 @@ TEST(EdgeDetector, ACornerIsABendWithItsBisector) {
     EXPECT_NEAR(corner->orientation_rad, -0.75 * M_PI, 0.05);
   }
   EXPECT_LE(count, 51U);
-}
-
-/// Mean of e^T C^-1 e, e the edges' distance from a place near them; 2 if the covariances are
-/// right.
-struct Calibration {
-  double sum = 0.0;
-  int count = 0;
-
-  void add(const std::vector<Edge>& edges, const Eigen::Vector2d& place_m, double nearest_m) {
-    for (const Edge& edge : edges) {
-      const Eigen::Vector2d error_m = edge.position_m - place_m;
-      if (error_m.norm() > nearest_m) continue;
-      sum += error_m.dot(edge.covariance_m2.inverse() * error_m);
-      ++count;
-    }
-  }
-  double mean() const { return sum / count; }
-};
-
-EdgeDetectorParameters forNoise(double noise_m) {
-  EdgeDetectorParameters parameters;
-  parameters.laser_range_sigma = noise_m;
-  return parameters;
-}
-
-TEST(EdgeDetector, CovariancesOfEndsMeanWhatTheySay) {
-  for (const double noise_m : {0.01, 0.02}) {
-    const EdgeDetector detector(forNoise(noise_m));
-    Calibration calibration;
-    for (int i = 0; i < 2000; ++i) {
-      ram_slam::Random random(10, i);
-      const ram_slam::Pose2 pose{2.0 * random.uniform() - 1.0, 2.0 * random.uniform() - 1.0,
-                                 0.5 * random.uniform() - 0.25};
-      const auto edges =
-          detector.edges(door().scan(pose, noise_m, random, 721, -0.5 * M_PI, M_PI / 720.0));
-      calibration.add(edges, pose.inverse() * Eigen::Vector2d(3.0, -0.5), 0.1);
-      calibration.add(edges, pose.inverse() * Eigen::Vector2d(3.0, 0.5), 0.1);
-    }
-    EXPECT_GT(calibration.count, 3800);
-    EXPECT_NEAR(calibration.mean(), 2.0, 0.2) << noise_m;
-  }
-}
-
-TEST(EdgeDetector, CovariancesOfCornersMeanWhatTheySay) {
-  PolygonWorld world;
-  world.add({{3.0, -50.0}, {3.0, 2.0}, {-50.0, 2.0}}, false);
-  for (const double noise_m : {0.01, 0.02}) {
-    const EdgeDetector detector(forNoise(noise_m));
-    Calibration calibration;
-    for (int i = 0; i < 2000; ++i) {
-      ram_slam::Random random(11, i);
-      const ram_slam::Pose2 pose{2.0 * random.uniform() - 1.0, 2.0 * random.uniform() - 1.5, 0.0};
-      const auto edges =
-          detector.edges(world.scan(pose, noise_m, random, 361, -0.25 * M_PI, M_PI / 360.0));
-      calibration.add(edges, pose.inverse() * Eigen::Vector2d(3.0, 2.0), 0.1);
-    }
-    EXPECT_GT(calibration.count, 1950);
-    EXPECT_NEAR(calibration.mean(), 2.0, 0.2) << noise_m;
-  }
-}
-
-TEST(EdgeDetector, CovariancesOfSquareAndRoundPostsMeanWhatTheySay) {
-  Calibration calibration;
-  for (int i = 0; i < 1000; ++i) {
-    ram_slam::Random random(12, i);
-    const Eigen::Vector2d middle_m(1.0 + 3.0 * random.uniform(), random.uniform() - 0.5);
-    const double radius_m = 0.02 + 0.1 * random.uniform();
-    const double yaw_rad = random.uniform();
-    const int sides = i % 2 == 0 ? 4 : 16;
-    std::vector<Eigen::Vector2d> outline_m;
-    for (int side = 0; side < sides; ++side) {
-      const double angle_rad = yaw_rad + 2.0 * M_PI * side / sides;
-      outline_m.push_back(middle_m +
-                          radius_m * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad)));
-    }
-    PolygonWorld world;
-    world.add(outline_m, true);
-    calibration.add(EdgeDetector(forNoise(kNoiseM)).edges(world.scan({}, kNoiseM, random)),
-                    middle_m, 1.0);
-  }
-  EXPECT_GT(calibration.count, 950);
-  EXPECT_NEAR(calibration.mean(), 2.0, 0.4);
 }
 
 TEST(EdgeDetector, WhatItFindsInRandomWorldsAreCorners) {

@@ -21,7 +21,6 @@ struct TwoLineCorner {
   /// Share of the smaller eigenvalue of the legs' normals' tensor, 1/2 (1 - |cos(opening angle)|),
   /// in [0, 1/2].
   double cornerness = 0.0;
-  int points = 0;             ///< of the leg with fewer
   double significance = 0.0;  ///< chi square (1 dof) of "the legs are one straight line"
 };
 
@@ -53,12 +52,21 @@ bool isPromising(const Contour& contour,
                  std::size_t split,
                  const FeatureDetectorParameters& parameters);
 
+/// What becomes of points so close to a corner that noise decided to which leg they were counted,
+/// if without them a leg has too few: on a wall at a grazing angle one reading of the other wall
+/// moves the crossing by more than the noise of the readings would.
+enum class Contested {
+  kIfNeeded,  ///< a leg keeps its three farthest points, whatever they are
+  kNever,     ///< two certain points are enough for a leg; without them there is no corner
+};
+
 /// The corner of two straight legs that meet after the point `split`: the longest legs (0.1 to 0.8
 /// m) that are straight, then their crossing with its covariance.
 ///
 /// \return nothing if the contour there does not consist of two straight legs
 std::optional<TwoLineCorner> fitCorner(const Contour& contour,
                                        std::size_t split,
-                                       const FeatureDetectorParameters& parameters);
+                                       const FeatureDetectorParameters& parameters,
+                                       Contested contested = Contested::kIfNeeded);
 
 }  // namespace ramscout_feature_detector
