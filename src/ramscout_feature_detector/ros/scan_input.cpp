@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_input.hpp"
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "ram_slam/ros/conversions.hpp"
 
@@ -17,16 +19,55 @@ std::string withoutSlash(const std::string& frame) {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }
 
+bool isDuration(float seconds) {
+  return std::isfinite(seconds) && seconds >= 0.0F && seconds < 1.0F;
+}
+
+/// What is wrong with a scan that can be used all the same, and what is made of it.
+std::vector<std::string> oddities(const sensor_msgs::LaserScan& message) {
+  std::vector<std::string> found;
+  const double beams =
+      (static_cast<double>(message.angle_max) - message.angle_min) / message.angle_increment + 1.0;
+  if (!(std::abs(beams - static_cast<double>(message.ranges.size())) <= 1.0)) {
+    found.push_back("its ranges are not as many as its angles say; angle_max is not used");
+  }
+  if (!isDuration(message.time_increment) || !isDuration(message.scan_time)) {
+    found.push_back("its time_increment or scan_time is none; taken as if measured at once");
+  }
+  if (!message.intensities.empty() && message.intensities.size() != message.ranges.size()) {
+    found.push_back("its intensities are not as many as its ranges; they are not used");
+  }
+  if (message.header.frame_id.front() == '/') {
+    found.push_back("its frame_id begins with a slash; left out");
+  }
+  return found;
+}
+
 }  // namespace
 
 ScanInput::ScanInput(const std::string& base_frame, Callback use)
     : base_frame_(base_frame), use_(std::move(use)), tf_listener_(tf_buffer_) {
   ros::NodeHandle node;
+  silence_timer_ = node.createWallTimer(ros::WallDuration(kLogPeriodS),
+                                        [this](const ros::WallTimerEvent&) { explainSilence(); });
   scan_subscriber_ =
       node.subscribe("scan", 100, &ScanInput::onScan, this, ros::TransportHints().tcpNoDelay());
 }
 
+void ScanInput::explainSilence() {
+  ros::master::V_TopicInfo topics;
+  if (!ros::master::getTopics(topics)) return;
+  const std::string wanted = ros::message_traits::datatype<sensor_msgs::LaserScan>();
+  for (const ros::master::TopicInfo& topic : topics) {
+    if (topic.name == scan_subscriber_.getTopic() && topic.datatype != wanted) {
+      ROS_ERROR_STREAM("No scans: " << topic.name << " carries " << topic.datatype << ", not "
+                                    << wanted);
+    }
+  }
+}
+
 void ScanInput::onScan(const sensor_msgs::LaserScan& message) {
+  silence_timer_.stop();
   try {
     process(message);
   } catch (const std::exception& error) {
@@ -42,6 +83,11 @@ void ScanInput::process(const sensor_msgs::LaserScan& message) {
   ros::Time& last_stamp = last_stamps_[laser_frame];
   if (message.header.stamp == last_stamp) return;  // the same message again
   last_stamp = message.header.stamp;
+  for (const std::string& oddity : oddities(message)) {
+    if (said_.insert(laser_frame + oddity).second) {
+      ROS_WARN_STREAM("Scan of " << laser_frame << ": " << oddity << " (said once)");
+    }
+  }
   if (mounting.upside_down) scan = ram_slam::mirrored(std::move(scan));
   use_(scan, mounting.base_from_sensor);
 }

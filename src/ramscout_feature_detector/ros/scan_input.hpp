@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 
 #include <ros/ros.h>
@@ -17,7 +18,8 @@
 namespace ramscout_feature_detector_ros {
 
 /// Subscribes `scan` and passes on each scan once, as an upright laser would have given it, with
-/// the pose of the laser. What cannot be used is skipped with a warning.
+/// the pose of the laser. What cannot be used is skipped with a warning; of what is odd but can be
+/// used it is said once. Until the first scan it says if the topic carries another type.
 ///
 /// The mounting of each laser (frame of the scan) is read from tf once: lasers are bolted on.
 class ScanInput {
@@ -29,6 +31,7 @@ public:
   ScanInput(const std::string& base_frame, Callback use);
 
 private:
+  void explainSilence();
   void onScan(const sensor_msgs::LaserScan& message);
   void process(const sensor_msgs::LaserScan& message);
   /// \throws tf2::TransformException if it is not known, std::invalid_argument if the laser is not
@@ -41,6 +44,8 @@ private:
   tf2_ros::TransformListener tf_listener_;
   std::map<std::string, ram_slam_ros::Mounting> mountings_;
   std::map<std::string, ros::Time> last_stamps_;
+  std::set<std::string> said_;
+  ros::WallTimer silence_timer_;
   ros::Subscriber scan_subscriber_;
 };
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a sensor, a driver or a network may deliver instead of a scan.
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -125,21 +127,28 @@ TEST(BadScans, SaltNoiseBoundsTheFeatures) {
       if (random.uniform() < 0.3) range_m = static_cast<float>(30.0 * random.uniform());
     }
     EXPECT_LE(countFeatures(scan), limit);
+    EXPECT_LE(countEdges(scan), scan.ranges_m.size() / 10);
   }
 }
 
-/// Features farther than 0.1 m from all of the corners.
+/// Those farther than 0.1 m from all of the corners.
+int countStray(const std::vector<ram_slam::Feature>& features,
+               const std::vector<Eigen::Vector2d>& corners_m) {
+  return static_cast<int>(std::count_if(features.begin(), features.end(), [&](const auto& feature) {
+    return std::none_of(corners_m.begin(), corners_m.end(), [&](const Eigen::Vector2d& corner_m) {
+      return (feature.position_m - corner_m).norm() <= 0.1;
+    });
+  }));
+}
+
 int countStrayFeatures(const ram_slam::LaserScan& scan,
                        const std::vector<Eigen::Vector2d>& corners_m) {
-  int stray = 0;
-  for (const auto& feature : FeatureDetector({}).detect(scan, {}).features) {
-    double nearest_m = 1e9;
-    for (const Eigen::Vector2d& corner_m : corners_m) {
-      nearest_m = std::min(nearest_m, (feature.position_m - corner_m).norm());
-    }
-    stray += nearest_m > 0.1 ? 1 : 0;
-  }
-  return stray;
+  return countStray(FeatureDetector({}).detect(scan, {}).features, corners_m);
+}
+
+int countStrayEdges(const ram_slam::LaserScan& scan,
+                    const std::vector<Eigen::Vector2d>& corners_m) {
+  return countStray(EdgeDetector({}).detect(scan, {}).features, corners_m);
 }
 
 TEST(BadScans, MixedPixelsAtTheSidesOfACupboardAreSeldomFeatures) {
@@ -153,6 +162,7 @@ TEST(BadScans, MixedPixelsAtTheSidesOfACupboardAreSeldomFeatures) {
   corners_m.insert(corners_m.end(), cupboard_m.begin(), cupboard_m.end());
   int mixed = 0;
   int stray = 0;
+  int stray_edges = 0;
   for (int seed = 0; seed < 50; ++seed) {
     ram_slam::Random random(seed);
     auto scan = world.scan({}, 0.01, random, 720, -M_PI, 2.0 * M_PI / 720);
@@ -165,25 +175,49 @@ TEST(BadScans, MixedPixelsAtTheSidesOfACupboardAreSeldomFeatures) {
       ++mixed;
     }
     stray += countStrayFeatures(scan, corners_m);
+    stray_edges += countStrayEdges(scan, corners_m);
   }
   EXPECT_GE(mixed, 100);
   EXPECT_LE(stray, mixed / 20);
+  EXPECT_LE(stray_edges, mixed / 10);
+}
+
+const std::vector<Eigen::Vector2d> kRoomCornersM = {
+    {-2.0, -1.7}, {2.2, -1.7}, {2.2, 1.9}, {-2.0, 1.9}};
+
+/// A pane in one wall that half of the beams pass: they see what stands behind, or mirror images.
+ram_slam::LaserScan glassScan(int seed) {
+  PolygonWorld room;
+  room.add(kRoomCornersM, true);
+  ram_slam::Random random(seed);
+  auto scan = room.scan({}, 0.01, random, 720, -M_PI, 2.0 * M_PI / 720);
+  for (std::size_t i = 320; i < 400; ++i) {
+    if (random.uniform() < 0.5) {
+      scan.ranges_m[i] += 1.0F + 2.0F * static_cast<float>(random.uniform());
+    }
+  }
+  return scan;
 }
 
 TEST(BadScans, GlassThatSomeBeamsPassIsNoFeature) {
-  const std::vector<Eigen::Vector2d> room_m = {{-2.0, -1.7}, {2.2, -1.7}, {2.2, 1.9}, {-2.0, 1.9}};
-  PolygonWorld room;
-  room.add(room_m, true);
   for (int seed = 0; seed < 50; ++seed) {
-    ram_slam::Random random(seed);
-    auto scan = room.scan({}, 0.01, random, 720, -M_PI, 2.0 * M_PI / 720);
-    for (std::size_t i = 320; i < 400; ++i) {  // what stands behind, or its mirror image
-      if (random.uniform() < 0.5) {
-        scan.ranges_m[i] += 1.0F + 2.0F * static_cast<float>(random.uniform());
-      }
-    }
-    EXPECT_EQ(countStrayFeatures(scan, room_m), 0) << seed;
+    EXPECT_EQ(countStrayFeatures(glassScan(seed), kRoomCornersM), 0) << seed;
   }
+}
+
+/// What half of the beams pass is a fence to the edge detector, of as many small things as it
+/// shows.
+TEST(BadScans, GlassThatSomeBeamsPassHidesNoEdgesAndAddsFew) {
+  constexpr int kScans = 50;
+  int stray = 0;
+  for (int seed = 0; seed < kScans; ++seed) {
+    const auto features = EdgeDetector({}).detect(glassScan(seed), {}).features;
+    for (const Eigen::Vector2d& corner_m : kRoomCornersM) {
+      EXPECT_LT(countStray(features, {corner_m}), static_cast<int>(features.size())) << seed;
+    }
+    stray += countStray(features, kRoomCornersM);
+  }
+  EXPECT_LE(stray, 10 * kScans);
 }
 
 TEST(BadScans, UnusableScansAreRefused) {
@@ -205,8 +239,9 @@ TEST(BadScans, UnusableScansAreRefused) {
 }
 
 TEST(BadScans, AMountingThatIsNoPoseIsRefused) {
-  EXPECT_THROW(FeatureDetector({}).detect(roomScan(), {std::nan(""), 0.0, 0.0}),
-               std::invalid_argument);
+  const ram_slam::Pose2 mounting{std::nan(""), 0.0, 0.0};
+  EXPECT_THROW(FeatureDetector({}).detect(roomScan(), mounting), std::invalid_argument);
+  EXPECT_THROW(EdgeDetector({}).detect(roomScan(), mounting), std::invalid_argument);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ from geometry_msgs.msg import TransformStamped
 from ram_slam_msgs.msg import FeatureList
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image, LaserScan
+from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
@@ -198,6 +199,21 @@ class DetectorNodes(unittest.TestCase):
     def said(self, node, level, text):
         return any(log.name == node and log.level == level and text in log.msg for log in self.logs)
 
+    def test_what_is_odd_but_can_be_used_is_said_once_by_both(self):
+        for attribute, value, text in (
+                ("angle_max", 0.0, "not as many as its angles"), ("time_increment", NAN, "time_increment or scan_time"),
+                ("scan_time", -1.0, "time_increment or scan_time"), ("intensities", [NAN] * 3, "its intensities")):
+            for _ in range(3):
+                scan = self.scan()
+                setattr(scan, attribute, value)
+                self.assertEqual(self.corners_of(scan), 4, attribute)
+            for node in ("/feature_detector", "/edge_detector"):
+                self.assertTrue(self.wait_until(lambda: self.said(node, Log.WARN, text)), text)
+                self.assertEqual(sum(log.name == node and text in log.msg and " laser:" in log.msg
+                                     for log in self.logs), 1, text)
+        self.assertEqual(self.corners_of(self.scan(frame="/laser")), 4)
+        self.assertTrue(self.wait_until(lambda: self.said("/edge_detector", Log.WARN, "begins with a slash")))
+
     def test_a_truncated_scan_is_skipped_and_named(self):
         scan = self.scan()
         self.skips(TruncatedScan(*[getattr(scan, slot) for slot in LaserScan.__slots__]))
@@ -219,19 +235,28 @@ class DetectorNodes(unittest.TestCase):
             other.terminate()
             other.wait()
 
+    def says(self, detector, topic, text):
+        """Whether a detector started on a topic says a text."""
+        node = subprocess.Popen(["rosrun", "ramscout_feature_detector", detector, "__name:=bare_" + detector,
+                                 "scan:=" + topic, "features:=nowhere"], stderr=subprocess.PIPE, text=True)
+        limit = threading.Timer(TIMEOUT_S, node.terminate)
+        limit.start()
+        try:
+            return any(text in line for line in node.stderr)
+        finally:
+            limit.cancel()
+            node.terminate()
+            node.wait()
+            node.stderr.close()
+
     def test_a_node_without_parameters_says_so(self):
         for detector in ("feature_detector", "edge_detector"):
-            node = subprocess.Popen(["rosrun", "ramscout_feature_detector", detector, "__name:=bare_" + detector,
-                                     "scan:=nothing", "features:=nowhere"], stderr=subprocess.PIPE, text=True)
-            limit = threading.Timer(TIMEOUT_S, node.terminate)
-            limit.start()
-            try:
-                self.assertTrue(any("all are at their defaults" in line for line in node.stderr), detector)
-            finally:
-                limit.cancel()
-                node.terminate()
-                node.wait()
-                node.stderr.close()
+            self.assertTrue(self.says(detector, "nothing", "all are at their defaults"), detector)
+
+    def test_a_topic_of_another_type_is_named(self):
+        other = rospy.Publisher("no_scan", String, queue_size=1)
+        self.assertTrue(self.says("edge_detector", "no_scan", "/no_scan carries std_msgs/String"))
+        other.unregister()
 
     def test_both_detectors_run_side_by_side(self):
         scan = self.scan()

@@ -207,8 +207,9 @@ TEST(EdgeDetectorParameters, ShippedFileHoldsTheDefaults) {
 TEST(EdgeDetectorParameters, OutOfRangeIsRefusedByName) {
   for (const char* yaml :
        {"laser_range_sigma: 0", "distance_threshold: -1", "object_size: 9", "bend_scale: 0",
-        "bend_angle: 7", "significance_min: -1", "position_sigma_limit: .nan",
-        "feature_distance: 0", "max_features: 0", "base_frame: ''", "bendangle: 1"}) {
+        "laser_range_sigma: wide", "max_features: 1.5", "bend_angle: 7", "significance_min: -1",
+        "position_sigma_limit: .nan", "feature_distance: 0", "max_features: 0", "base_frame: ''",
+        "bendangle: 1"}) {
     try {
       read(yaml);
       ADD_FAILURE() << yaml << " was accepted";
