@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
-
 #include "ramscout_feature_detector/two_line_corner.hpp"
+
+#include "edge_uncertainty.hpp"
 
 namespace ramscout_feature_detector {
 namespace {
@@ -18,44 +18,17 @@ constexpr double kSmallestCosIncidence = 0.3;
 constexpr double kContinuationSigmas = 4.0;
 /// Lines through fewer points: noise decided which of them belong to the leg.
 constexpr int kFewPoints = 6;
-/// What a round or ragged edge leaves of the model (2 cm), and what straight legs do, such as
-/// readings in steps of 1 mm (0.5 mm).
-constexpr double kModelVarianceM2 = 4e-4;
-constexpr double kStraightModelVarianceM2 = 2.5e-7;
-constexpr double kOrientationModelVarianceRad2 = 1e-2;
-constexpr double kStraightOrientationModelVarianceRad2 = 1e-5;
 /// Where the middle of a thing is, in widths: of square and round posts from all sides.
 constexpr double kObjectDepthShare = 0.15;
 constexpr double kObjectDepthSigmaShare = 0.1;
 constexpr double kObjectSideSigmaShare = 0.03;
-/// Chi square by which two lines must describe a bend better than one, at the most suitable of many
-/// points.
+/// Chi square by which two lines must describe a corner better than one, at the most suitable of
+/// many points.
 constexpr double kCornerGain = 12.0;
-constexpr double kBendGain = 16.0;
 constexpr double kCornerWindowM = 0.2;
-constexpr double kFarthestCrossingM = 0.1;
 /// So far from where an end is expected a wall may meet it.
 constexpr double kUnseenSpacings = 2.0;
 constexpr double kUnseenSigmas = 2.0;
-
-double square(double x) {
-  return x * x;
-}
-
-/// Variance of the position of a bound between two beams that hit `spacing_m` apart.
-double samplingVariance(double spacing_m) {
-  return square(spacing_m) / 12.0;
-}
-
-Eigen::Vector2d normalOf(const LineFit& line) {
-  return {-line.direction.y(), line.direction.x()};
-}
-
-bool isCertain(const Eigen::Matrix2d& covariance_m2, const EdgeDetectorParameters& parameters) {
-  const double mean = 0.5 * covariance_m2.trace();
-  const double largest = mean + std::sqrt(std::max(mean * mean - covariance_m2.determinant(), 0.0));
-  return largest <= square(parameters.position_sigma_limit);
-}
 
 /// What the fits of straight legs need to know.
 FeatureDetectorParameters legParameters(const EdgeDetectorParameters& parameters) {
@@ -138,75 +111,6 @@ std::optional<Eigen::Vector2d> crossing(const LineFit& line,
   const double range_m = normalOf(line).dot(line.centroid_m) / normalOf(line).dot(ray);
   if (!(range_m > 0.0 && range_m < farthest_m)) return std::nullopt;
   return range_m * ray;
-}
-
-Eigen::Vector2d crossing(const LineFit& a, const LineFit& b) {
-  Eigen::Matrix2d normals;
-  normals << normalOf(a).transpose(), normalOf(b).transpose();
-  return normals.inverse() *
-         Eigen::Vector2d(normalOf(a).dot(a.centroid_m), normalOf(b).dot(b.centroid_m));
-}
-
-/// The two arms of a bend at a point.
-struct Arms {
-  LineFit before, after;
-  double angle_rad;
-  double variance_rad2;  ///< of the angle
-};
-
-/// Whether two chords differ in direction by less than half of what a bend asks for: several times
-/// faster than fitting lines.
-bool isNearlyStraight(const Eigen::Vector2d& a,
-                      const Eigen::Vector2d& b,
-                      const EdgeDetectorParameters& parameters) {
-  const double dot = a.dot(b);
-  return dot > 0.0 && square(dot) > square(std::cos(0.5 * parameters.bend_angle)) *
-                                        a.squaredNorm() * b.squaredNorm();
-}
-
-/// \param first, last  the points within bend_scale before and after the point
-std::optional<Arms> armsAt(const Contour& contour,
-                           std::size_t first,
-                           std::size_t i,
-                           std::size_t last,
-                           const EdgeDetectorParameters& parameters) {
-  if (i + 1 < first + kSmallestLinePoints || last + 1 < i + kSmallestLinePoints ||
-      isNearlyStraight(contour[i] - contour[first], contour[last] - contour[i], parameters)) {
-    return std::nullopt;
-  }
-  Arms arms{contour.fit(first, i), contour.fit(i, last), 0.0, 0.0};
-  arms.angle_rad =
-      std::acos(std::clamp(arms.before.direction.dot(arms.after.direction), -1.0, 1.0));
-  if (arms.angle_rad < parameters.bend_angle) return std::nullopt;
-  const double prior_m2 = square(parameters.laser_range_sigma);
-  arms.variance_rad2 = arms.before.angleVariance(arms.before.noiseVariance(prior_m2)) +
-                       arms.after.angleVariance(arms.after.noiseVariance(prior_m2));
-  const double gain_m2 =
-      contour.residual_m2(first, last) - arms.before.residual_m2 - arms.after.residual_m2;
-  if (square(arms.angle_rad) < parameters.significance_min * arms.variance_rad2 ||
-      gain_m2 < kBendGain * prior_m2) {
-    return std::nullopt;
-  }
-  return arms;
-}
-
-std::optional<Edge> bend(const Eigen::Vector2d& turn_m,
-                         const Arms& arms,
-                         double increment_rad,
-                         const EdgeDetectorParameters& parameters) {
-  Edge edge;
-  edge.kind = Edge::Kind::kBend;
-  const Eigen::Vector2d crossing_m = crossing(arms.before, arms.after);
-  edge.position_m = (crossing_m - turn_m).norm() < kFarthestCrossingM ? crossing_m : turn_m;
-  edge.covariance_m2 = (square(parameters.laser_range_sigma) +
-                        samplingVariance(edge.position_m.norm() * increment_rad)) *
-                       Eigen::Matrix2d::Identity();
-  if (!isCertain(edge.covariance_m2, parameters)) return std::nullopt;
-  edge.covariance_m2 += kModelVarianceM2 * Eigen::Matrix2d::Identity();
-  const Eigen::Vector2d bisector = arms.after.direction - arms.before.direction;
-  edge.orientation_rad = std::atan2(bisector.y(), bisector.x());
-  edge.orientation_variance_rad2 = 0.25 * arms.variance_rad2 + kOrientationModelVarianceRad2;
-  return edge;
 }
 
 /// By how much two lines describe the surroundings of a split better than one does.
@@ -323,36 +227,6 @@ std::vector<Edge> findCorners(const Contour& contour, const EdgeDetectorParamete
     corners.push_back(toEdge(*corner));
   }
   return corners;
-}
-
-std::vector<Edge> findBends(const Contour& contour,
-                            double increment_rad,
-                            const EdgeDetectorParameters& parameters) {
-  std::vector<std::optional<Arms>> arms(contour.size());
-  for (std::size_t i = 0, first = 0, last = 0; i < contour.size(); ++i) {
-    while (contour.arc_m(first) < contour.arc_m(i) - parameters.bend_scale) ++first;
-    while (last + 1 < contour.size() &&
-           contour.arc_m(last + 1) <= contour.arc_m(i) + parameters.bend_scale) {
-      ++last;
-    }
-    arms[i] = armsAt(contour, first, i, last, parameters);
-  }
-  const auto angle = [&](std::size_t i) { return arms[i] ? arms[i]->angle_rad : 0.0; };
-  const double alone_m = 0.5 * parameters.bend_scale;
-  std::vector<Edge> bends;
-  for (std::size_t i = 0; i < contour.size(); ++i) {
-    if (!arms[i]) continue;
-    bool is_sharpest = true;
-    for (std::size_t j = contour.indexAt(contour.arc_m(i) - alone_m);
-         is_sharpest && j < contour.size() && contour.arc_m(j) <= contour.arc_m(i) + alone_m; ++j) {
-      is_sharpest = j < i ? angle(j) < angle(i) : angle(j) <= angle(i);
-    }
-    if (!is_sharpest) continue;
-    if (const auto found = bend(contour[i], *arms[i], increment_rad, parameters)) {
-      bends.push_back(*found);
-    }
-  }
-  return bends;
 }
 
 }  // namespace ramscout_feature_detector
