@@ -4,6 +4,7 @@
 
 import math
 import sys
+import threading
 import time
 import unittest
 
@@ -134,6 +135,34 @@ class OdometryFaultsTest(unittest.TestCase):
         self.drive(0.0, 1.0)
         self.assertMoves(0.1, 0.9)
         self.assertEqual(self.motion(100.1, 100.9)[1], Status.NOT_YET_AVAILABLE)
+
+    def test_clock_that_is_set_back_during_calls_never_mixes_histories(self):
+        self.drive(100.0, 101.0)
+        self.assertMoves(100.1, 100.9)
+        answers = []
+        stop = threading.Event()
+
+        def call():
+            service = rospy.ServiceProxy('kinematics/sample_states', SampleStates, persistent=True)
+            while not stop.is_set():
+                answers.append(service(1, [0.0] * 3, self.stamp(100.1), self.stamp(100.9), 1))
+
+        client = threading.Thread(target=call)
+        client.start()
+        rospy.sleep(0.2)
+        self.drive(0.0, 1.0)
+        self.assertMoves(0.1, 0.9)
+        stop.set()
+        client.join()
+        served = [answer.status == Status.SUCCESS for answer in answers]
+        first_refused = served.index(False)
+        self.assertGreater(first_refused, 0)
+        self.assertFalse(any(served[first_refused:]))
+        for answer in answers[:first_refused]:
+            self.assertAlmostEqual(answer.states[0], SPEED_MPS * 0.8, delta=0.2)
+        for answer in answers[first_refused:]:
+            self.assertEqual(answer.status, Status.NOT_YET_AVAILABLE)
+            self.assertNotEqual(answer.message, '')
 
     def test_messages_out_of_order_are_put_in_order(self):
         times = [PERIOD_S * i for i in range(201)]

@@ -3,8 +3,12 @@
 """Drives the node by odometry messages and checks its four services, good requests and bad ones."""
 
 import math
+import os
+import subprocess
 import sys
+import threading
 import unittest
+import xmlrpc.client
 
 import rospy
 import rostest
@@ -18,6 +22,18 @@ TURN_RATE_RADPS = 1.0
 SPEED_MPS = RADIUS_M * TURN_RATE_RADPS
 WHEEL_SEPARATION_M = 0.40
 WHEEL_NOISE = 1.0e-4
+
+# A client that calls for ever.
+CLIENT = """
+import rospy
+from ram_slam_msgs.srv import SampleStates
+rospy.wait_for_service('kinematics/sample_states', 20)
+service = rospy.ServiceProxy('kinematics/sample_states', SampleStates, persistent=True)
+start, end = rospy.Time(%d), rospy.Time(%d)
+print('calling', flush=True)
+while True:
+    service(100000, [0.0] * 300000, start, end, 7)
+""" % (START_S, START_S + 1)
 
 
 def odometry(time_s):
@@ -140,6 +156,59 @@ class ServicesTest(unittest.TestCase):
             self.assertEqual(answer.status, status, answer.message)
             self.assertNotEqual(answer.message, '')
             self.assertFails(self.predict, state=[0.0] * 3, from_=start, to=end)
+
+    def resident_bytes(self):
+        uri = rospy.get_master().lookupNode(rospy.resolve_name('kinematics'))[2]
+        pid = xmlrpc.client.ServerProxy(uri).getPid('/test')[2]
+        with open('/proc/%d/statm' % pid) as file:
+            return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE')
+
+    def test_thousands_of_calls_are_all_answered_and_take_no_memory(self):
+        failed = []
+
+        def call(count, persistent):
+            service = rospy.ServiceProxy('kinematics/sample_states', SampleStates, persistent=True)
+            for _ in range(count):
+                if not persistent:
+                    service = rospy.ServiceProxy('kinematics/sample_states', SampleStates)
+                answer = service(10, [0.0] * 30, stamp(0.5), stamp(1.5), 7)
+                if answer.status != Status.SUCCESS or len(answer.states) != 30:
+                    failed.append(answer)
+
+        def call_from_four_clients():
+            clients = [threading.Thread(target=call, args=arguments)
+                       for arguments in ((500, True), (500, True), (100, False), (100, False))]
+            for client in clients:
+                client.start()
+            for client in clients:
+                client.join()
+
+        call_from_four_clients()
+        before = self.resident_bytes()
+        call_from_four_clients()
+        self.assertEqual(failed, [])
+        self.assertLess(self.resident_bytes() - before, 2_000_000)
+
+    def test_clients_killed_in_their_calls_do_no_harm(self):
+        for _ in range(3):
+            client = subprocess.Popen([sys.executable, '-c', CLIENT], stdout=subprocess.PIPE)
+            self.assertEqual(client.stdout.readline(), b'calling\n')
+            client.kill()
+            client.wait()
+            client.stdout.close()
+            self.assertEqual(self.sample_states(1, [0.0] * 3, stamp(0.0), stamp(1.0), 0).status, Status.SUCCESS)
+
+    def test_what_predict_answers_repeats(self):
+        """`predict` and `sample` have the same checksum, so ROS connects a client of the one with the other."""
+        answers = {self.predict(state=[0.0] * 3, from_=stamp(0.0), to=stamp(1.0)).state for _ in range(100)}
+        self.assertEqual(len(answers), 1)
+        self.assertEqual(PredictState._md5sum, SampleState._md5sum)
+
+    def test_services_of_the_estimator_cannot_be_mistaken_for_others(self):
+        others = {PredictState._md5sum, SampleState._md5sum}
+        used = {PredictStateWithCovariance._md5sum, SampleStates._md5sum}
+        self.assertEqual(len(used), 2)
+        self.assertFalse(used & others)
 
 
 if __name__ == '__main__':
