@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxWaiting = 1000;
 constexpr std::int64_t kTimeJumpNs = 1000000000;
+constexpr double kLongestSweepS = 1.0;
 constexpr double kWaitingPollS = 0.02;
 constexpr double kSilenceReportS = 5.0;
 constexpr double kWarnPeriodS = 5.0;
@@ -26,6 +27,14 @@ std::string expandHome(const std::string& path) {
   const char* home = std::getenv("HOME");
   if (home == nullptr || (path != "~" && path.compare(0, 2, "~/") != 0)) return path;
   return home + path.substr(1);
+}
+
+/// When the last beam was fired; at once with the first if the time increment makes no sense.
+ros::Time endOf(const sensor_msgs::LaserScan& scan) {
+  const double duration_s =
+      static_cast<double>(scan.time_increment) * (static_cast<double>(scan.ranges.size()) - 1.0);
+  if (!(duration_s > 0.0 && duration_s <= kLongestSweepS)) return scan.header.stamp;
+  return scan.header.stamp + ros::Duration(duration_s);
 }
 
 }  // namespace
@@ -84,16 +93,21 @@ void OccupancyMapperNode::mapWaiting() {
   const std::lock_guard lock(map_mutex_);
   while (!waiting_.empty()) {
     const sensor_msgs::LaserScan& message = *waiting_.front().scan;
-    std::string reason;
-    if (transforms_.canTransform(parameters_.map_frame, message.header.frame_id,
-                                 message.header.stamp, ros::Duration(0.0), &reason)) {
+    const double waited_s = (ros::SteadyTime::now() - waiting_.front().since).toSec();
+    const bool waits =
+        waited_s <= parameters_.transform_timeout_s && waiting_.size() <= kMaxWaiting;
+    const auto knows = [&](const ros::Time& stamp, std::string* reason) {
+      return transforms_.canTransform(parameters_.map_frame, message.header.frame_id, stamp,
+                                      ros::Duration(0.0), reason);
+    };
+    if (waits && !knows(endOf(message), &last_problem_)) return;
+    if (knows(message.header.stamp, &last_problem_)) {
       map(message);
     } else {
-      const double waited_s = (ros::SteadyTime::now() - waiting_.front().since).toSec();
-      last_problem_ = reason;
-      if (waited_s <= parameters_.transform_timeout_s && waiting_.size() <= kMaxWaiting) return;
-      ROS_WARN_STREAM_THROTTLE(
-          kWarnPeriodS, "dropped a scan that waited " << waited_s << " s for its pose: " << reason);
+      if (waits) return;
+      ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "dropped a scan that waited "
+                                                 << waited_s
+                                                 << " s for its pose: " << last_problem_);
     }
     waiting_.pop_front();
   }
@@ -105,12 +119,10 @@ void OccupancyMapperNode::map(const sensor_msgs::LaserScan& message) {
     const Mounting mounting = toMounting(
         transforms_.lookupTransform(parameters_.base_frame, message.header.frame_id, stamp)
             .transform);
-    const ram_slam::Pose2 map_from_base =
-        toPose2(transforms_.lookupTransform(parameters_.map_frame, parameters_.base_frame, stamp)
-                    .transform);
     const ram_slam::LaserScan scan = toLaserScan(message);
-    const auto counts = map_.add(mounting.upside_down ? ram_slam::mirrored(scan) : scan,
-                                 map_from_base, mounting.base_from_sensor);
+    const auto counts =
+        map_.add(mounting.upside_down ? ram_slam::mirrored(scan) : scan, poseAt(stamp),
+                 mounting.base_from_sensor, lastBeam(message, mounting.base_from_sensor));
     newest_mapped_ns_ = scan.stamp_ns;
     if (!ever_mapped_) ROS_INFO_STREAM("first scan mapped, from frame " << message.header.frame_id);
     ever_mapped_ = true;
@@ -123,6 +135,19 @@ void OccupancyMapperNode::map(const sensor_msgs::LaserScan& message) {
     last_problem_ = error.what();
     ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "skipped a scan: " << error.what());
   }
+}
+
+ram_slam::Pose2 OccupancyMapperNode::poseAt(const ros::Time& stamp) const {
+  return toPose2(
+      transforms_.lookupTransform(parameters_.map_frame, parameters_.base_frame, stamp).transform);
+}
+
+ram_slam::Pose2 OccupancyMapperNode::lastBeam(const sensor_msgs::LaserScan& message,
+                                              const ram_slam::Pose2& base_from_laser) const {
+  const ros::Time end = endOf(message);
+  if (!transforms_.canTransform(parameters_.map_frame, parameters_.base_frame, end)) return {};
+  const ram_slam::Pose2 map_from_laser = poseAt(message.header.stamp) * base_from_laser;
+  return map_from_laser.inverse() * poseAt(end) * base_from_laser;
 }
 
 void OccupancyMapperNode::onTrajectory(const nav_msgs::Path& message) {

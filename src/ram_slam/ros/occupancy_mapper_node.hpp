@@ -46,6 +46,12 @@ private:
 
   /// Maps the waiting scans whose poses are known; drops those that waited too long.
   void mapWaiting();
+  /// Of the base in the map.
+  ram_slam::Pose2 poseAt(const ros::Time& stamp) const;
+  /// The laser's pose at its last beam, seen from that at its first; the identity if tf does not
+  /// reach so far.
+  ram_slam::Pose2 lastBeam(const sensor_msgs::LaserScan& message,
+                           const ram_slam::Pose2& base_from_laser) const;
   /// The caller holds map_mutex_.
   void map(const sensor_msgs::LaserScan& message);
   /// Forgets the map, waiting scans and transforms; the caller holds map_mutex_.

@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace ram_slam {
-namespace {
-
-constexpr std::int64_t kLongestIntervalNs = 1'000'000'000;
-
-}  // namespace
-
 double orientationLogRatio(double difference_rad, double variance_rad2, double wrong_share) {
   if (!(variance_rad2 <= 1.0)) return 0.0;
   const double away_rad = wrapAngle(difference_rad);
@@ -19,11 +13,8 @@ double orientationLogRatio(double difference_rad, double variance_rad2, double w
 }
 
 FeatureList seenAtOnce(FeatureList list, const Pose2& motion, std::int64_t interval_ns) {
-  if (interval_ns <= 0 || interval_ns > kLongestIntervalNs) return list;
   for (Feature& feature : list.features) {
-    if (feature.delay_ns == 0) continue;
-    const double share = static_cast<double>(feature.delay_ns) / static_cast<double>(interval_ns);
-    const Pose2 base_from_then = exponential(share * logarithm(motion));
+    const Pose2 base_from_then = continued(motion, interval_ns, feature.delay_ns);
     const Eigen::Matrix2d rotation = base_from_then.rotation();
     feature.position_m = base_from_then * feature.position_m;
     feature.covariance_m2 = rotation * feature.covariance_m2 * rotation.transpose();

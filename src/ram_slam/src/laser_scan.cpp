@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kMaxBeams = 20000;
 constexpr double kMinIncrementRad = 1e-6;
-constexpr std::int64_t kLongestIntervalNs = 1'000'000'000;
 
 }  // namespace
 
@@ -36,18 +35,16 @@ void LaserScan::validate() const {
   }
 }
 
+std::int64_t LaserScan::duration_ns() const {
+  const double last = static_cast<double>(std::max<std::size_t>(ranges_m.size(), 1) - 1);
+  return std::llround(1e9 * time_increment_s * last);
+}
+
 std::int64_t LaserScan::delay_ns(double bearing_rad) const {
   const double turn = 2.0 * M_PI / std::abs(angle_increment_rad);  // in beams
   double beam = std::fmod((bearing_rad - angle_min_rad) / angle_increment_rad, turn);
   if (beam < -0.5) beam += turn;  // half a beam before the first is still the first
   return std::llround(1e9 * time_increment_s * std::max(beam, 0.0));
-}
-
-Pose2 motionDuringScan(const LaserScan& scan, const Pose2& motion, std::int64_t interval_ns) {
-  if (interval_ns <= 0 || interval_ns > kLongestIntervalNs || scan.ranges_m.empty()) return {};
-  const double duration_s = scan.time_increment_s * static_cast<double>(scan.ranges_m.size() - 1);
-  const double share = duration_s / (1e-9 * static_cast<double>(interval_ns));
-  return share > 0.0 ? exponential(share * logarithm(motion)) : Pose2{};
 }
 
 LaserScan mirrored(LaserScan scan) {

@@ -4,6 +4,8 @@
 namespace ram_slam {
 namespace {
 
+constexpr std::int64_t kLongestContinuedNs = 1'000'000'000;
+
 /// sin(x) / x and (1 - cos(x)) / x, by their series where the quotient loses digits.
 struct ExponentialFactors {
   explicit ExponentialFactors(double x) {
@@ -64,6 +66,12 @@ Eigen::Vector3d logarithm(const Pose2& pose) {
 
 Pose2 interpolate(const Pose2& a, const Pose2& b, double fraction) {
   return a * exponential(fraction * logarithm(a.inverse() * b));
+}
+
+Pose2 continued(const Pose2& motion, std::int64_t interval_ns, std::int64_t duration_ns) {
+  if (interval_ns <= 0 || interval_ns > kLongestContinuedNs || duration_ns == 0) return {};
+  const double share = static_cast<double>(duration_ns) / static_cast<double>(interval_ns);
+  return exponential(share * logarithm(motion));
 }
 
 PoseWithCovariance2 operator*(const PoseWithCovariance2& a_from_b,

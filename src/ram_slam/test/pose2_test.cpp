@@ -71,6 +71,15 @@ TEST(Interpolate, MidpointOfASemicircleLiesOnTheCircleNotOnTheChord) {
   EXPECT_NEAR(middle.x_m, 1.0, 1e-5);
 }
 
+TEST(Pose2, AMotionContinuesAtItsTwist) {
+  const Pose2 motion = exponential({0.2, 0.0, 0.4});
+  const Pose2 half = exponential({0.1, 0.0, 0.2});
+  const Pose2 found = continued(motion, 200'000'000, 100'000'000);
+  EXPECT_LT(logarithm(half.inverse() * found).norm(), 1e-12);
+  EXPECT_EQ(continued(motion, 0, 100'000'000).yaw_rad, 0.0);
+  EXPECT_EQ(continued(motion, 2'000'000'000, 100'000'000).yaw_rad, 0.0);
+}
+
 TEST(PoseWithCovariance2, CompositionMatchesSampling) {
   PoseWithCovariance2 a;
   a.pose = {1.0, -2.0, 0.7};

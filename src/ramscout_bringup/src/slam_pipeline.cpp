@@ -278,8 +278,14 @@ ram_slam::OccupancyGrid SlamPipeline::renderMap(const Trajectory& trajectory) {
   for (const ScanReading& reading : key_scans_) {
     const auto map_from_base = ram_slam::poseAt(trajectory, reading.stampNs());
     if (!map_from_base) continue;
+    const auto map_from_base_then =
+        ram_slam::poseAt(trajectory, reading.stampNs() + reading.scan.duration_ns());
+    const Pose2 map_from_laser = *map_from_base * reading.base_from_laser;
+    Pose2 last_beam;
+    if (map_from_base_then)
+      last_beam = map_from_laser.inverse() * *map_from_base_then * reading.base_from_laser;
     try {
-      mapper.add(reading.scan, *map_from_base * reading.base_from_laser);
+      mapper.add(reading.scan, map_from_laser, last_beam);
     } catch (const std::exception& error) {
       leaveOut(error.what());
     }

@@ -41,6 +41,8 @@ struct LaserScan {
   double bearing_rad(std::size_t beam) const {
     return angle_min_rad + static_cast<double>(beam) * angle_increment_rad;
   }
+  /// From the first beam to the last.
+  std::int64_t duration_ns() const;
   /// When the beam with that bearing (plus or minus whole turns) is fired, after stamp_ns.
   std::int64_t delay_ns(double bearing_rad) const;
   Return at(std::size_t beam) const { return classify(ranges_m[beam], range_min_m, range_max_m); }
@@ -56,12 +58,6 @@ struct LaserScan {
   ///         negative limits
   void validate() const;
 };
-
-/// The pose of the laser at a scan's last beam, seen from that at its first.
-/// \param motion  of the laser over some interval up to the scan, taken to go on as it was
-/// \return the identity if the interval is not positive or so long (more than 1 s) that the motion
-/// says nothing about the scan
-Pose2 motionDuringScan(const LaserScan& scan, const Pose2& motion, std::int64_t interval_ns);
 
 /// The scan that an upright sensor would have given, from one of a sensor mounted upside down:
 /// bearings change sign.

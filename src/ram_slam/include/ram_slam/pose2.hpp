@@ -55,6 +55,11 @@ Eigen::Vector3d logarithm(const Pose2& pose);
 /// 1] extrapolates.
 Pose2 interpolate(const Pose2& a, const Pose2& b, double fraction);
 
+/// A motion carried on at its twist: what moved by `motion` within `interval_ns` moves by this
+/// within `duration_ns`. The identity if the interval is not positive or longer than 1 s: it then
+/// says nothing about the next instants.
+Pose2 continued(const Pose2& motion, std::int64_t interval_ns, std::int64_t duration_ns);
+
 /// A pose with uncertainty. The covariance's order is x, y, yaw [m^2, m rad, rad^2], in the axes of
 /// the pose's parent frame: covariance of (x_m, y_m, yaw_rad) themselves, as
 /// geometry_msgs/PoseWithCovariance has it.

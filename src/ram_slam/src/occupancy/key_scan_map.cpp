@@ -25,7 +25,8 @@ KeyScanMap::KeyScanMap(const OccupancyMapperParameters& parameters)
 
 std::optional<BeamCounts> KeyScanMap::add(const LaserScan& scan,
                                           const Pose2& map_from_base,
-                                          const Pose2& base_from_laser) {
+                                          const Pose2& base_from_laser,
+                                          const Pose2& last_beam) {
   const Pose2 map_from_laser = map_from_base * base_from_laser;
   if (!scans_.empty()) {
     const KeyScan& last = scans_.back();
@@ -38,8 +39,8 @@ std::optional<BeamCounts> KeyScanMap::add(const LaserScan& scan,
       return std::nullopt;
     }
   }
-  const BeamCounts counts = mapper_.add(scan, map_from_laser);
-  scans_.push_back({scan, base_from_laser, map_from_laser});
+  const BeamCounts counts = mapper_.add(scan, map_from_laser, last_beam);
+  scans_.push_back({scan, base_from_laser, map_from_laser, last_beam});
   if (scans_.size() > static_cast<std::size_t>(parameters_.max_scan_count)) {
     scans_.pop_front();
     ++settled_count_;
@@ -58,9 +59,9 @@ int KeyScanMap::correct(const Trajectory& map_from_base) {
         base ? *base * key.base_from_laser : *corrected_from_old * key.map_from_laser;
     if (base) corrected_from_old = corrected * key.map_from_laser.inverse();
     if (!differ(corrected, key.map_from_laser, kNegligibleM, kNegligibleRad)) continue;
-    mapper_.add(key.scan,
-                corrected);  // first, so that the scan is lost nowhere if the map cannot grow
-    mapper_.remove(key.scan, key.map_from_laser);
+    // First, so that the scan is lost nowhere if the map cannot grow.
+    mapper_.add(key.scan, corrected, key.last_beam);
+    mapper_.remove(key.scan, key.map_from_laser, key.last_beam);
     key.map_from_laser = corrected;
     ++moved_count;
   }

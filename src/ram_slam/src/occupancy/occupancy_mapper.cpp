@@ -66,8 +66,10 @@ OccupancyMapper::OccupancyMapper(const OccupancyMapperParameters& parameters)
   parameters_.validate();
 }
 
-BeamCounts OccupancyMapper::add(const LaserScan& scan, const Pose2& map_from_laser) {
-  const TracedScan traced = trace(scan, map_from_laser);
+BeamCounts OccupancyMapper::add(const LaserScan& scan,
+                                const Pose2& map_from_laser,
+                                const Pose2& last_beam) {
+  const TracedScan traced = trace(scan, map_from_laser, last_beam);
   const ScanFootprint& footprint = traced.footprint;
   ++revision_;
   forEachTile(footprint.box(), [&](const TileIndex& index) {
@@ -84,8 +86,10 @@ BeamCounts OccupancyMapper::add(const LaserScan& scan, const Pose2& map_from_las
   return traced.counts;
 }
 
-void OccupancyMapper::remove(const LaserScan& scan, const Pose2& map_from_laser) {
-  const ScanFootprint footprint = trace(scan, map_from_laser).footprint;
+void OccupancyMapper::remove(const LaserScan& scan,
+                             const Pose2& map_from_laser,
+                             const Pose2& last_beam) {
+  const ScanFootprint footprint = trace(scan, map_from_laser, last_beam).footprint;
   if (!holds(footprint)) throw std::invalid_argument("cannot remove a scan that was not added");
   ++revision_;
   forEachTile(footprint.box(), [&](const TileIndex& index) {
@@ -166,17 +170,17 @@ GridChange OccupancyMapper::refresh(OccupancyGrid& grid, std::uint64_t revision)
 }
 
 OccupancyMapper::TracedScan OccupancyMapper::trace(const LaserScan& scan,
-                                                   const Pose2& map_from_laser) {
+                                                   const Pose2& map_from_laser,
+                                                   const Pose2& last_beam) {
   scan.validate();
-  if (!map_from_laser.isFinite() || std::abs(map_from_laser.x_m) > kFarthestPoseM ||
-      std::abs(map_from_laser.y_m) > kFarthestPoseM) {
+  for (const Pose2& pose : {map_from_laser, map_from_laser * last_beam}) {
+    if (pose.isFinite() && pose.translation().cwiseAbs().maxCoeff() <= kFarthestPoseM) continue;
     std::ostringstream message;
-    message << "cannot map a scan seen from (" << map_from_laser.x_m << ", " << map_from_laser.y_m
-            << ") m";
+    message << "cannot map a scan seen from (" << pose.x_m << ", " << pose.y_m << ") m";
     throw std::invalid_argument(message.str());
   }
   BeamCounts counts;
-  const std::vector<Beam> beams = beamsOf(scan, map_from_laser, counts);
+  const std::vector<Beam> beams = beamsOf(scan, map_from_laser, last_beam, counts);
   const Eigen::Vector2d sensor = map_from_laser.translation() / parameters_.resolution;
   const TileBox box = ScanFootprint::boxOf(sensor, beams);
   const double cells = box_.joined(box).cellCount();
@@ -205,10 +209,14 @@ const std::vector<Eigen::Vector2d>& OccupancyMapper::directionsOf(const LaserSca
 
 std::vector<Beam> OccupancyMapper::beamsOf(const LaserScan& scan,
                                            const Pose2& map_from_laser,
+                                           const Pose2& last_beam,
                                            BeamCounts& counts) {
   const std::vector<Eigen::Vector2d>& directions = directionsOf(scan);
   const Eigen::Matrix2d map_from_laser_rotation = map_from_laser.rotation();
   const Eigen::Vector2d sensor = map_from_laser.translation() / parameters_.resolution;
+  const double last = static_cast<double>(std::max<std::size_t>(scan.ranges_m.size(), 2) - 1);
+  const Eigen::Vector3d twist = logarithm(last_beam) / last;  // per beam
+  const bool moves = !twist.isZero(0.0);
   const double nothing_m = std::min<double>(scan.range_max_m, parameters_.clear_max_range_m);
   std::vector<Beam> beams;
   beams.reserve(scan.ranges_m.size());
@@ -223,7 +231,14 @@ std::vector<Beam> OccupancyMapper::beamsOf(const LaserScan& scan,
 
     const bool hit = kind == Return::kHit && scan.ranges_m[i] <= parameters_.max_range_m;
     ++(hit ? counts.hit : counts.cleared);
-    const Eigen::Vector2d direction = map_from_laser_rotation * directions[i];
+    Eigen::Vector2d direction = directions[i];
+    if (moves) {
+      const Eigen::Vector2d end_m =
+          exponential(static_cast<double>(i) * twist) * Eigen::Vector2d(range_m * direction);
+      range_m = end_m.norm();
+      direction = end_m.normalized();
+    }
+    direction = map_from_laser_rotation * direction;
     const double length = range_m / parameters_.resolution;
     beams.push_back({sensor + length * direction,
                      sensor + std::max(0.0, length - kClearanceCells) * direction, hit});

@@ -154,7 +154,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   const Pose2 laser_motion = base_from_laser.inverse() * prediction.motion * base_from_laser;
   SurfaceScan surfaces =
       extractSurfaces(scan, parameters_.surfaces,
-                      motionDuringScan(scan, laser_motion, scan.stamp_ns - last_.stamp_ns));
+                      continued(laser_motion, scan.stamp_ns - last_.stamp_ns, scan.duration_ns()));
   LaserOdometryEstimate estimate;
   estimate.stamp_ns = scan.stamp_ns;
   ScanMatch found = match(surfaces, base_from_laser, prediction, estimate.wheels_slipped);

@@ -84,8 +84,8 @@ void MapSmoother::addScan(const LaserScan& scan,
     Pose2 last_beam;
     if (!scans_.empty()) {
       const Pose2 motion = scans_.back().odom_from_base.inverse() * odom_from_base;
-      last_beam = motionDuringScan(scan, base_from_laser.inverse() * motion * base_from_laser,
-                                   scan.stamp_ns - scans_.back().stamp_ns);
+      last_beam = continued(base_from_laser.inverse() * motion * base_from_laser,
+                            scan.stamp_ns - scans_.back().stamp_ns, scan.duration_ns());
     }
     addKeyScan(scan.stamp_ns, extractSurfaces(scan, parameters_.surfaces, last_beam),
                base_from_laser, odom_from_base);

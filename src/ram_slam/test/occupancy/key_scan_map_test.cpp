@@ -24,6 +24,7 @@ LaserScan scanAt(std::int64_t stamp_ns) {
 }
 
 const Pose2 kBaseFromLaser{0.2, 0.05, 0.1};
+const Pose2 kLastBeam{0.01, 0.0, 0.02};
 
 /// What the robot believes at stamp 100 k, and where it really was.
 Pose2 believed(int k) {
@@ -35,7 +36,7 @@ Pose2 corrected(int k) {
 
 KeyScanMap mapOfTenScans(PoseAtIndex pose) {
   KeyScanMap map(OccupancyMapperParameters{});
-  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), pose(k), kBaseFromLaser);
+  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), pose(k), kBaseFromLaser, kLastBeam);
   return map;
 }
 
@@ -95,7 +96,7 @@ TEST(KeyScanMap, KeepsAsManyScansAsItMayAndTheMapOfAll) {
   OccupancyMapperParameters parameters;
   parameters.max_scan_count = 4;
   KeyScanMap map(parameters);
-  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), believed(k), kBaseFromLaser);
+  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), believed(k), kBaseFromLaser, kLastBeam);
   EXPECT_EQ(map.scanCount(), 4u);
   EXPECT_EQ(map.settledCount(), 6u);
   EXPECT_EQ(map.mapper().grid().cells, mapOfTenScans(believed).mapper().grid().cells);

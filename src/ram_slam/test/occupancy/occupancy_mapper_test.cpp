@@ -49,11 +49,17 @@ Pose2 randomPose(std::uint64_t seed) {
 }
 
 /// What the beams of a scan see in an empty rectangular room centred at the origin.
-LaserScan scanOfRoom(const Pose2& room_from_laser, double width_m, double height_m) {
+/// \param last_beam  pose of the laser at the last beam, seen from the first one
+LaserScan scanOfRoom(const Pose2& room_from_first,
+                     double width_m,
+                     double height_m,
+                     const Pose2& last_beam = {}) {
   LaserScan scan = randomScan(0);
   scan.angle_increment_rad = 2.0 * M_PI / 720.0;
   scan.ranges_m.resize(720);
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const Pose2 room_from_laser =
+        room_from_first * interpolate({}, last_beam, static_cast<double>(i) / 719.0);
     const double angle_rad = room_from_laser.yaw_rad + scan.bearing_rad(i);
     const double x_wall_m = std::copysign(width_m / 2.0, std::cos(angle_rad));
     const double y_wall_m = std::copysign(height_m / 2.0, std::sin(angle_rad));
@@ -134,13 +140,16 @@ TEST(OccupancyMapper, ManyBeamsThroughACellAreOneVisitAndAHitWins) {
   EXPECT_EQ(mapper.counts(40, 0), (CellCounts{1, 1}));
 }
 
-TEST(OccupancyMapper, RoomHasItsWallsAndItsFloor) {
+/// Pose of the laser at a sweep's last beam, seen from that at its first.
+class SweepTest : public testing::TestWithParam<Pose2> {};
+
+TEST_P(SweepTest, RoomHasItsWallsAndItsFloor) {
   constexpr double kWidthM = 10.02;
   constexpr double kHeightM = 8.06;
   OccupancyMapper mapper(OccupancyMapperParameters{});
   for (const Pose2& pose :
        {Pose2{0.31, 0.17, 0.4}, Pose2{-3.2, 2.7, 2.0}, Pose2{3.9, -1.1, -1.0}}) {
-    mapper.add(scanOfRoom(pose, kWidthM, kHeightM), pose);
+    mapper.add(scanOfRoom(pose, kWidthM, kHeightM, GetParam()), pose, GetParam());
   }
   const OccupancyGrid grid = mapper.grid();
   for (int y = 0; y < grid.height; ++y) {
@@ -158,6 +167,10 @@ TEST(OccupancyMapper, RoomHasItsWallsAndItsFloor) {
   EXPECT_NEAR(countCells(grid, kFreeCell) * 0.05 * 0.05, kWidthM * kHeightM,
               0.02 * kWidthM * kHeightM);
 }
+
+INSTANTIATE_TEST_SUITE_P(AtRestAndMoving,
+                         SweepTest,
+                         testing::Values(Pose2{}, Pose2{0.05, 0.01, 0.2}, Pose2{0.0, 0.0, -0.3}));
 
 TEST(OccupancyMapper, MotionByWholeCellsMovesTheMapByWholeCells) {
   OccupancyMapperParameters parameters;
@@ -202,6 +215,10 @@ TEST(OccupancyMapper, RemovingRestoresWhatWasThere) {
   EXPECT_NE(mapper.grid().cells, before.cells);
   for (std::uint64_t seed = 6; seed <= 9; ++seed) mapper.remove(randomScan(seed), randomPose(seed));
   expectSameGrid(mapper.grid(), before);
+  const Pose2 last_beam{0.02, 0.0, 0.1};
+  mapper.add(randomScan(6), randomPose(6), last_beam);
+  mapper.remove(randomScan(6), randomPose(6), last_beam);
+  expectSameGrid(mapper.grid(), before);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) mapper.remove(randomScan(seed), randomPose(seed));
   EXPECT_EQ(mapper.grid().width, 0);
 }
@@ -212,6 +229,8 @@ TEST(OccupancyMapper, RemovingWhatWasNotAddedIsRefusedAndChangesNothing) {
   const OccupancyGrid before = mapper.grid();
   EXPECT_THROW(mapper.remove(randomScan(2), randomPose(2)), std::invalid_argument);
   EXPECT_THROW(mapper.remove(randomScan(2), randomPose(1)), std::invalid_argument);
+  EXPECT_THROW(mapper.add(randomScan(2), randomPose(2), {0.0, 2e6, 0.0}), std::invalid_argument);
+  EXPECT_THROW(mapper.add(randomScan(2), randomPose(2), {0.0, 0.0, kNan}), std::invalid_argument);
   expectSameGrid(mapper.grid(), before);
 }
 

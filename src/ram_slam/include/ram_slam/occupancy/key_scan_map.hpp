@@ -23,12 +23,15 @@ public:
   /// \throws std::invalid_argument as OccupancyMapperParameters::validate()
   explicit KeyScanMap(const OccupancyMapperParameters& parameters);
 
-  /// Maps a scan if it is a key scan. \return what became of its beams; nothing if it is none
+  /// Maps a scan if it is a key scan.
+  /// \param last_beam  pose of the laser at the last beam, seen from the first one
+  /// \return what became of its beams; nothing if it is none
   /// \throws std::invalid_argument if it is not later than the last key scan, or as
   /// OccupancyMapper::add() \throws std::length_error as OccupancyMapper::add()
   std::optional<BeamCounts> add(const LaserScan& scan,
                                 const Pose2& map_from_base,
-                                const Pose2& base_from_laser);
+                                const Pose2& base_from_laser,
+                                const Pose2& last_beam = {});
 
   /// Moves the kept scans to where a corrected trajectory of the base says they were taken. Scans
   /// before its start stay; scans after its end move rigidly with the last one inside. \return how
@@ -47,6 +50,7 @@ private:
     LaserScan scan;
     Pose2 base_from_laser;
     Pose2 map_from_laser;
+    Pose2 last_beam;
   };
 
   OccupancyMapperParameters parameters_;

@@ -52,15 +52,17 @@ public:
   explicit OccupancyMapper(const OccupancyMapperParameters& parameters);
 
   /// Adds a scan seen from `map_from_laser`. The map is unchanged if this throws.
+  /// \param last_beam  pose of the laser at the last beam, seen from the first one; in between it
+  /// moves at constant twist (what the beams pass is drawn as if it had not moved)
   /// \throws std::invalid_argument for a scan of no use (LaserScan::validate()) or a pose that is
   /// not finite or absurdly
   ///         far away
   /// \throws std::length_error if the map would grow beyond max_cell_count
-  BeamCounts add(const LaserScan& scan, const Pose2& map_from_laser);
+  BeamCounts add(const LaserScan& scan, const Pose2& map_from_laser, const Pose2& last_beam = {});
 
   /// Takes out a scan that was added with exactly these arguments. The map is unchanged if this
   /// throws. \throws std::invalid_argument if it cannot have been added
-  void remove(const LaserScan& scan, const Pose2& map_from_laser);
+  void remove(const LaserScan& scan, const Pose2& map_from_laser, const Pose2& last_beam = {});
 
   /// The whole map; its box consists of whole tiles. Empty (0 x 0) before the first scan.
   OccupancyGrid grid() const;
@@ -86,10 +88,13 @@ private:
     BeamCounts counts;
   };
 
-  TracedScan trace(const LaserScan& scan, const Pose2& map_from_laser);
+  TracedScan trace(const LaserScan& scan, const Pose2& map_from_laser, const Pose2& last_beam);
   /// Unit vectors along the beams, in the laser's frame; kept from scan to scan.
   const std::vector<Eigen::Vector2d>& directionsOf(const LaserScan& scan);
-  std::vector<Beam> beamsOf(const LaserScan& scan, const Pose2& map_from_laser, BeamCounts& counts);
+  std::vector<Beam> beamsOf(const LaserScan& scan,
+                            const Pose2& map_from_laser,
+                            const Pose2& last_beam,
+                            BeamCounts& counts);
   std::int8_t valueOf(std::uint32_t hits, std::uint32_t visits) const;
   bool holds(const ScanFootprint& footprint) const;
   /// The map's box, without cells.

@@ -42,8 +42,8 @@ struct SurfaceScan {
 };
 
 /// Where everything was seen from the laser's pose at the first beam.
-/// \param last_beam  pose of the laser at the last beam, seen from the first one
-/// (motionDuringScan()); in between it moves at constant twist
+/// \param last_beam  pose of the laser at the last beam, seen from the first one; in
+/// between it moves at constant twist
 /// \throws std::invalid_argument as LaserScan::validate()
 SurfaceScan extractSurfaces(const LaserScan& scan,
                             const SurfaceParameters& parameters,
