@@ -94,9 +94,9 @@ LandmarkMap summarise(const LandmarkRegistry& registry,
                       const std::vector<double>& weights) {
   std::vector<Summary> summaries;
   for (const LandmarkRecord& record : registry.records()) {
-    if (chosen.landmarks.find(record.id) != nullptr) {
-      summaries.push_back(summarise(record, particles, weights));
-    }
+    const bool is_doubted = record.was_confirmed && record.existence_log_odds <= 0.0;
+    if (is_doubted || chosen.landmarks.find(record.id) == nullptr) continue;
+    summaries.push_back(summarise(record, particles, weights));
   }
   LandmarkMap map;
   const std::vector<std::vector<std::size_t>> later = neighboursAfter(summaries);
