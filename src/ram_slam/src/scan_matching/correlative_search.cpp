@@ -2,6 +2,7 @@
 #include "ram_slam/scan_matching/correlative_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace ram_slam {
@@ -26,26 +27,19 @@ std::vector<std::uint8_t> makeKernel(int radius, double deviation_cells) {
   return kernel;
 }
 
-/// Level h + 1 of level h: the greatest of the 3 x 3 cells that a point in a coarse cell can meet
-/// when it is shifted by up to one coarse cell.
-LikelihoodPyramid::Level coarsen(const LikelihoodPyramid::Level& fine) {
-  LikelihoodPyramid::Level coarse;
-  coarse.columns = (fine.columns + 1) / 2;
-  coarse.rows = (fine.rows + 1) / 2;
-  coarse.cells.resize(static_cast<std::size_t>(coarse.columns) *
-                      static_cast<std::size_t>(coarse.rows));
-  std::size_t index = 0;
-  for (int row = 0; row < coarse.rows; ++row) {
-    for (int column = 0; column < coarse.columns; ++column) {
-      std::uint8_t greatest = 0;
-      for (int dr = 0; dr < 3; ++dr) {
-        for (int dc = 0; dc < 3; ++dc)
-          greatest = std::max(greatest, fine.at(2 * column + dc, 2 * row + dr));
-      }
-      coarse.cells[index++] = greatest;
-    }
+/// Each cell becomes the greatest of itself and the one `shift` cells after it, beyond the end 0.
+void spreadAlongRows(int shift, int columns, std::vector<std::uint8_t>& cells) {
+  for (std::size_t begin = 0; begin < cells.size(); begin += static_cast<std::size_t>(columns)) {
+    std::uint8_t* row = cells.data() + begin;
+    for (int column = 0; column + shift < columns; ++column)
+      row[column] = std::max(row[column], row[column + shift]);
   }
-  return coarse;
+}
+
+void spreadAcrossRows(int shift, int columns, std::vector<std::uint8_t>& cells) {
+  const std::size_t distance = static_cast<std::size_t>(shift) * static_cast<std::size_t>(columns);
+  for (std::size_t i = 0; i + distance < cells.size(); ++i)
+    cells[i] = std::max(cells[i], cells[i + distance]);
 }
 
 /// A square of shifts, 2^level cells wide, at one angle.
@@ -102,35 +96,46 @@ private:
     cells_of_angle_.push_back(std::move(cells));
   }
 
-  /// The bound on the score, or anything less than the best score so far if it is not above that.
-  double score(std::size_t angle, int level, Cell shift) const {
-    const LikelihoodPyramid::Level& grid = pyramid_.levels()[static_cast<std::size_t>(level)];
+  /// Appends those of four neighbouring squares of shifts whose bound is above the best score.
+  /// \param first  the lower left one
+  void addBlock(std::size_t angle, int level, Cell first, std::vector<Node>& nodes) const {
     const std::vector<Cell>& cells = cells_of_angle_[angle];
     const double scale = 1.0 / (255.0 * static_cast<double>(cells.size()));
-    // What the sum may lack of a full score and still be above the best.
+    // What a sum may lack of a full score and still be above the best.
     const double best_sum = best_.score / scale;
-    unsigned sum = 0;
+    const std::uint8_t* grid = pyramid_.level(level);
+    const int step = 1 << level;
+    const std::ptrdiff_t up = static_cast<std::ptrdiff_t>(step) * pyramid_.stride();
+    std::array<unsigned, 4> sums{};
     for (std::size_t i = 0; i < cells.size();) {
       const std::size_t end = std::min(i + kBlock, cells.size());
       for (; i < end; ++i) {
-        sum +=
-            grid.at((cells[i].column + shift.column) >> level, (cells[i].row + shift.row) >> level);
+        const std::uint8_t* cell =
+            grid + pyramid_.indexOf(cells[i].column + first.column, cells[i].row + first.row);
+        sums[0] += cell[0];
+        sums[1] += cell[step];
+        sums[2] += cell[up];
+        sums[3] += cell[up + step];
       }
-      if (sum + 255.0 * static_cast<double>(cells.size() - i) <= best_sum) return -1.0;
+      const unsigned greatest = *std::max_element(sums.begin(), sums.end());
+      if (greatest + 255.0 * static_cast<double>(cells.size() - i) <= best_sum) return;
     }
-    return sum * scale;
+    for (int k = 0; k < 4; ++k) {
+      const Cell shift{first.column + (k & 1) * step, first.row + (k >> 1) * step};
+      const double bound = sums[static_cast<std::size_t>(k)] * scale;
+      if (shift.column <= reach_ && shift.row <= reach_ && bound > best_.score)
+        nodes.push_back({angle, level, shift, bound});
+    }
   }
 
   std::vector<Node> makeRoots() const {
-    const int level = static_cast<int>(pyramid_.levels().size()) - 1;
-    const int step = 1 << level;
+    const int level = pyramid_.levelCount() - 1;
+    const int step = 2 << level;
     std::vector<Node> roots;
     for (std::size_t angle = 0; angle < angles_rad_.size(); ++angle) {
       for (int row = -reach_; row <= reach_; row += step) {
-        for (int column = -reach_; column <= reach_; column += step) {
-          const double bound = score(angle, level, {column, row});
-          if (bound > best_.score) roots.push_back({angle, level, {column, row}, bound});
-        }
+        for (int column = -reach_; column <= reach_; column += step)
+          addBlock(angle, level, {column, row}, roots);
       }
     }
     return roots;
@@ -147,22 +152,10 @@ private:
         found_ = true;
         return;
       }
-      descend(split(node));
+      std::vector<Node> parts;
+      addBlock(node.angle, node.level - 1, node.shift, parts);
+      descend(std::move(parts));
     }
-  }
-
-  std::vector<Node> split(const Node& node) const {
-    const int level = node.level - 1;
-    const int half = 1 << level;
-    std::vector<Node> parts;
-    for (const int row : {node.shift.row, node.shift.row + half}) {
-      for (const int column : {node.shift.column, node.shift.column + half}) {
-        if (row > reach_ || column > reach_) continue;
-        const double bound = score(node.angle, level, {column, row});
-        if (bound > best_.score) parts.push_back({node.angle, level, {column, row}, bound});
-      }
-    }
-    return parts;
   }
 
   const LikelihoodPyramid& pyramid_;
@@ -190,13 +183,13 @@ LikelihoodPyramid::LikelihoodPyramid(const std::vector<Eigen::Vector2f>& points_
     high = high.cwiseMax(point);
   }
   const auto cell_m = static_cast<float>(resolution_m);
-  // The coarsest cell to the left of the first must have nothing to bound.
-  const int margin = radius + (1 << (levels - 1));
-  origin_m_ = low.array() - cell_m * static_cast<float>(margin);
-  Level fine;
-  fine.columns = static_cast<int>((high.x() - origin_m_.x()) / cell_m) + radius + 2;
-  fine.rows = static_cast<int>((high.y() - origin_m_.y()) / cell_m) + radius + 2;
-  fine.cells.resize(static_cast<std::size_t>(fine.columns) * static_cast<std::size_t>(fine.rows));
+  origin_m_ = low.array() - cell_m * static_cast<float>(radius);
+  columns_ = static_cast<int>((high.x() - origin_m_.x()) / cell_m) + radius + 2;
+  rows_ = static_cast<int>((high.y() - origin_m_.y()) / cell_m) + radius + 2;
+  margin_ = 1 << levels;
+  stride_ = columns_ + margin_ + margin_ / 2 + 1;
+  std::vector<std::uint8_t> cells(static_cast<std::size_t>(stride_) *
+                                  static_cast<std::size_t>(rows_ + margin_ + margin_ / 2 + 1));
   const std::vector<std::uint8_t> kernel = makeKernel(radius, deviation_m / resolution_m);
   for (const Eigen::Vector2f& point : points_in_map) {
     const int column = static_cast<int>((point.x() - origin_m_.x()) / cell_m);
@@ -204,15 +197,17 @@ LikelihoodPyramid::LikelihoodPyramid(const std::vector<Eigen::Vector2f>& points_
     std::size_t k = 0;
     for (int r = row - radius; r <= row + radius; ++r) {
       for (int c = column - radius; c <= column + radius; ++c, ++k) {
-        auto& cell =
-            fine.cells[static_cast<std::size_t>(r) * static_cast<std::size_t>(fine.columns) +
-                       static_cast<std::size_t>(c)];
+        std::uint8_t& cell = cells[static_cast<std::size_t>(indexOf(c, r))];
         cell = std::max(cell, kernel[k]);
       }
     }
   }
-  levels_.push_back(std::move(fine));
-  for (int level = 1; level < levels; ++level) levels_.push_back(coarsen(levels_.back()));
+  levels_.push_back(cells);
+  for (int level = 1; level < levels; ++level) {
+    spreadAlongRows(1 << (level - 1), stride_, cells);
+    spreadAcrossRows(1 << (level - 1), stride_, cells);
+    levels_.push_back(cells);
+  }
 }
 
 std::optional<CorrelativeMatch> searchPose(const LikelihoodPyramid& pyramid,
@@ -233,8 +228,8 @@ double scorePose(const LikelihoodPyramid& pyramid,
   unsigned sum = 0;
   for (const Eigen::Vector2f& point : points_in_laser) {
     const Eigen::Vector2f place = (rotation * point + shift) * cells_per_m;
-    sum += pyramid.levels().front().at(static_cast<int>(std::floor(place.x())),
-                                       static_cast<int>(std::floor(place.y())));
+    sum += pyramid.level(0)[pyramid.indexOf(static_cast<int>(std::floor(place.x())),
+                                            static_cast<int>(std::floor(place.y())))];
   }
   return sum / (255.0 * static_cast<double>(points_in_laser.size()));
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -11,9 +13,9 @@
 
 namespace ram_slam {
 
-/// How likely a reading is to end in each cell of a part of the map, at several resolutions: level
-/// h has cells of 2^h fine cells, each with the greatest value a reading can meet within it when it
-/// is shifted by up to 2^h fine cells.
+/// How likely a reading is to end in each cell of a part of the map, and at level h the greatest of
+/// the 2^h x 2^h cells of which it is the lower left one: what a reading can meet when it is
+/// shifted by less than 2^h cells up and to the right (Hess et al., ICRA 2016, equation 15).
 class LikelihoodPyramid {
 public:
   /// \param points_in_map  end points of the readings that make up the map; at least one
@@ -25,22 +27,19 @@ public:
                     double deviation_m,
                     int levels);
 
-  struct Level {
-    int columns = 0;
-    int rows = 0;
-    std::vector<std::uint8_t> cells;  ///< 0 .. 255, row by row
-
-    /// The value at a cell; 0 outside.
-    std::uint8_t at(int column, int row) const {
-      const bool inside = static_cast<unsigned>(column) < static_cast<unsigned>(columns) &&
-                          static_cast<unsigned>(row) < static_cast<unsigned>(rows);
-      return inside ? cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-                            static_cast<std::size_t>(column)]
-                    : std::uint8_t{0};
-    }
-  };
-
-  const std::vector<Level>& levels() const { return levels_; }
+  int levelCount() const { return static_cast<int>(levels_.size()); }
+  /// The cells of a level, 0 .. 255, row by row.
+  const std::uint8_t* level(int level) const {
+    return levels_[static_cast<std::size_t>(level)].data();
+  }
+  /// Of a cell, at every level. Cells outside share those of the margin, where all is 0 so far to
+  /// the right and above that four squares of any level beside each other fit in.
+  std::ptrdiff_t indexOf(int column, int row) const {
+    return static_cast<std::ptrdiff_t>(std::clamp(row, -margin_, rows_) + margin_) * stride_ +
+           std::clamp(column, -margin_, columns_) + margin_;
+  }
+  /// Indices from a row to the next.
+  int stride() const { return stride_; }
   double resolution_m() const { return resolution_m_; }
   /// Lower left corner of fine cell (0, 0).
   Eigen::Vector2f origin_m() const { return origin_m_; }
@@ -48,7 +47,11 @@ public:
 private:
   double resolution_m_;
   Eigen::Vector2f origin_m_;
-  std::vector<Level> levels_;
+  int columns_ = 0;
+  int rows_ = 0;
+  int margin_ = 0;  ///< cells to the left and below
+  int stride_ = 0;
+  std::vector<std::vector<std::uint8_t>> levels_;
 };
 
 /// Where to search, about a centre.
