@@ -9,8 +9,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <png.h>
 
 #include "ramscout_bringup/evaluation.hpp"
 
@@ -71,12 +71,19 @@ Trajectory truthInMap(const Results& results) {
 Scene sceneOf(const Results& results) {
   Scene scene{results, truthInMap(results), {}};
   const OccupancyGrid& map = results.map;
+  Box known;  // in cells
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
       if (map.at(x, y) == ram_slam::kUnknownCell) continue;
-      for (const Eigen::Vector2d& corner : {Eigen::Vector2d(x, y), Eigen::Vector2d(x + 1, y + 1)}) {
-        scene.box.include(map.map_from_grid * Eigen::Vector2d(corner * map.resolution_m));
-      }
+      known.include(Eigen::Vector2d(x, y));
+      known.include(Eigen::Vector2d(x + 1, y + 1));
+    }
+  }
+  if (known.low.x() <= known.high.x()) {
+    for (const double x : {known.low.x(), known.high.x()}) {
+      for (const double y : {known.low.y(), known.high.y()})
+        scene.box.include(map.map_from_grid *
+                          Eigen::Vector2d(map.resolution_m * x, map.resolution_m * y));
     }
   }
   for (const auto& pose : results.trajectory) scene.box.include(pose.pose.translation());
@@ -128,9 +135,12 @@ private:
 
 void drawMap(Canvas& canvas, const OccupancyGrid& map) {
   const Pose2 grid_from_map = map.map_from_grid.inverse();
+  const Eigen::Matrix2d rotation = grid_from_map.rotation();
   for (int row = 0; row < canvas.mapHeight(); ++row) {
     for (int column = 0; column < canvas.image().cols; ++column) {
-      const Eigen::Vector2d cell = grid_from_map * canvas.pointAt(column, row) / map.resolution_m;
+      const Eigen::Vector2d point_m =
+          rotation * canvas.pointAt(column, row) + grid_from_map.translation();
+      const Eigen::Vector2d cell = point_m / map.resolution_m;
       const std::int8_t value =
           map.at(static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y())));
       if (value == ram_slam::kUnknownCell) continue;
@@ -206,6 +216,23 @@ void drawLegend(Canvas& canvas, bool has_truth) {
   write(image, "landmark, 1 sigma", {x + 38, y + 5});
 }
 
+// OpenCV's own encoder would bring some hundred shared libraries with it.
+std::string toPng(const cv::Mat& image) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = static_cast<png_uint_32>(image.cols);
+  header.height = static_cast<png_uint_32>(image.rows);
+  header.format = PNG_FORMAT_BGR;
+  header.flags = PNG_IMAGE_FLAG_FAST;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::string png(size, '\0');
+  const int row_bytes = static_cast<int>(image.step);
+  if (png_image_write_to_memory(&header, png.data(), &size, 0, image.data, row_bytes, nullptr) == 0)
+    throw std::runtime_error("the picture could not be encoded: " + std::string(header.message));
+  png.resize(size);
+  return png;
+}
+
 }  // namespace
 
 std::string drawPicture(const Results& results) {
@@ -216,10 +243,7 @@ std::string drawPicture(const Results& results) {
   drawPath(canvas, results.trajectory, kEstimate, 2);
   drawLandmarks(canvas, results.landmarks);
   drawLegend(canvas, !scene.truth.empty());
-  std::vector<unsigned char> png;
-  if (!cv::imencode(".png", canvas.image(), png))
-    throw std::runtime_error("the picture could not be encoded");
-  return {png.begin(), png.end()};
+  return toPng(canvas.image());
 }
 
 }  // namespace ramscout_bringup

@@ -129,9 +129,9 @@ TEST(CompareWithRelations, TheirOrderDoesNotMatterButStampsDo) {
   const Trajectory truth = circle();
   std::vector<Relation> relations;
   for (std::size_t i = 0; i + 7 < truth.size(); ++i) {
-    relations.push_back(
-        {truth[i].stamp_ns, truth[i + 7].stamp_ns,
-         truth[i].pose.inverse() * truth[i + 7].pose * Pose2{0.01 * (i % 3), 0, 0}});
+    relations.push_back({truth[i].stamp_ns, truth[i + 7].stamp_ns,
+                         truth[i].pose.inverse() * truth[i + 7].pose *
+                             Pose2{0.01 * static_cast<double>(i % 3), 0, 0}});
   }
   const double mean_m = compareWithRelations(truth, relations, {}).all.position_m.mean;
   EXPECT_NEAR(mean_m, 0.01, 1e-3);
