@@ -17,7 +17,7 @@ constexpr int kCrossPixels = 4;
 constexpr float kBrightestResponse = 0.02F;
 
 using Colour = std::array<std::uint8_t, 3>;
-constexpr Colour kExcluded = {90, 90, 90};
+constexpr Colour kExcluded = {90, 90, 90};  ///< and the borders of panels
 constexpr Colour kCorner = {255, 0, 0};
 
 /// Values of one level of the pyramid around the laser.
@@ -69,6 +69,7 @@ void drawPanel(const Panel& panel, float brightest, int first_column, Picture& p
       const auto grey = static_cast<std::uint8_t>(255.0F * value);
       picture.set(side - 1 - row, first_column + column, {grey, grey, grey});
     }
+    if (first_column > 0) picture.set(row, first_column, kExcluded);
   }
 }
 
