@@ -69,7 +69,7 @@ void drawPanel(const Panel& panel, float brightest, int first_column, Picture& p
       const auto grey = static_cast<std::uint8_t>(255.0F * value);
       picture.set(side - 1 - row, first_column + column, {grey, grey, grey});
     }
-    if (first_column > 0) picture.set(row, first_column, kExcluded);
+    if (first_column > 0) picture.set(side - 1 - row, first_column, kExcluded);
   }
 }
 

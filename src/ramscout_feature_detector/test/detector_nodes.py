@@ -288,6 +288,9 @@ class DetectorNodes(unittest.TestCase):
         picture = pictures[-1]
         self.assertEqual((picture.encoding, picture.width, picture.height), ("rgb8", 1500, 500))
         self.assertEqual(len(picture.data), picture.step * picture.height)
+        for border in (500, 1000):
+            column = [picture.data[picture.step * row + 3 * border] for row in range(picture.height)]
+            self.assertEqual(set(column), {90})
         for subscriber in subscribers:
             subscriber.unregister()
 
