@@ -17,6 +17,8 @@ constexpr std::int64_t kNewestReferenceNs = 450'000'000;
 constexpr std::int64_t kContradictingForNs = 200'000'000;
 // A smaller contradiction makes suspicious: then less evidence from the map is needed for a while.
 constexpr double kSuspicious = 0.25;
+// That much is enough if it came from one view to the next: people need longer to change as much.
+constexpr double kSharp = 0.5;
 constexpr std::int64_t kSuspiciousForNs = 2'000'000'000;
 // A disturbance, not a kidnapping: soon after, without having moved on, everything looks as before.
 constexpr double kAgreeingShare = 0.03;
@@ -164,12 +166,23 @@ bool RecoveringSlam::isDiscontinuous(const View& now) {
     contradicting_since_ns_ = 0;
     return false;
   }
-  if (contradicting_since_ns_ == 0) contradicting_since_ns_ = now.stamp_ns;
+  if (contradicting_since_ns_ == 0) {
+    contradicting_since_ns_ = now.stamp_ns;
+    contradicts_at_once_ = contradictsViewBefore(now);
+  }
   if (now.stamp_ns < contradicting_since_ns_ + kContradictingForNs) return false;
-  if (*share > parameters_.lost.discontinuity) return true;
+  if (*share > (contradicts_at_once_ ? kSharp : 1.0) * parameters_.lost.discontinuity) return true;
   if (now.stamp_ns > suspicious_until_ns_) detector_.clear();  // only what comes now counts
   suspicious_until_ns_ = now.stamp_ns + kSuspiciousForNs;
   return false;
+}
+
+bool RecoveringSlam::contradictsViewBefore(const View& now) const {
+  if (views_.empty()) return false;
+  const View& before = views_.back();
+  const auto share = discontinuity(*before.view, *now.view,
+                                   before.local_from_base.inverse() * now.local_from_base);
+  return share && *share > kSharp * parameters_.lost.discontinuity;
 }
 
 std::optional<double> RecoveringSlam::discontinuityOfLate(const View& now) const {

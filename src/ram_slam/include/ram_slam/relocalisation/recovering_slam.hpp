@@ -108,6 +108,8 @@ private:
   /// The least share of contradiction between this view and those somewhat older: one scan that was
   /// placed wrongly contradicts all others, which says nothing about where the robot is now.
   std::optional<double> discontinuityOfLate(const View& now) const;
+  /// Whether this view contradicts the one right before it, which people seldom bring about.
+  bool contradictsViewBefore(const View& now) const;
   bool isFalseAlarm(const View& now);
   /// Whether a robot that the map contradicts is where its odometry leads, after all.
   bool odometryIsRight(const View& now);
@@ -148,6 +150,7 @@ private:
   std::deque<View> views_;                   ///< of the last second, oldest first
   std::optional<View> last_good_view_;       ///< from before the robot was lost
   std::int64_t contradicting_since_ns_ = 0;  ///< 0: the views of late agree
+  bool contradicts_at_once_ = false;         ///< from one view to the next
   std::int64_t suspicious_until_ns_ = 0;
   std::int64_t agreeing_since_ns_ = 0;  ///< with the view from before
   std::int64_t doubted_ns_ = 0;         ///< when a view was compared with the map's last
