@@ -45,6 +45,7 @@ public:
   PlaceFinder(const Constellation& map,
               const LocalConstellation& local,
               const MapViews& map_views,
+              const std::optional<Pose2>& expected,
               const FeatureMatchers& matchers,
               const ConstellationParameters& parameters)
       : map_(map),
@@ -52,12 +53,13 @@ public:
         all_views_(local.views()),
         views_(thinned(all_views_, kMostViews)),
         map_views_(map_views),
+        expected_(expected),
         matchers_(matchers),
         parameters_(parameters) {}
 
   std::optional<PoseWithCovariance2> find() const {
     if (static_cast<int>(seen_.size()) < minimumPairs()) return std::nullopt;
-    const std::vector<JudgedPlace> places = distinct(judged(proposals()));
+    const std::vector<JudgedPlace> places = withoutEqualsOfExpected(distinct(judged(proposals())));
     if (places.empty()) return std::nullopt;
     std::vector<PoseHypothesis> hypotheses;
     for (const JudgedPlace& place : places) hypotheses.push_back(place.hypothesis);
@@ -91,6 +93,7 @@ private:
     std::vector<PoseHypothesis> all = layOver(map_, seen_, matchers_, parameters_);
     for (const Pose2& pose : map_views_.candidates(all_views_))
       all.push_back(hypothesisAt(map_, seen_, matchers_, parameters_, pose));
+    if (expected_) all.push_back(hypothesisAt(map_, seen_, matchers_, parameters_, *expected_));
     return all;
   }
 
@@ -126,6 +129,24 @@ private:
     }
   }
 
+  bool areOnePlace(const Pose2& a, const Pose2& b) const {
+    const Pose2 away = a.inverse() * b;
+    return away.translation().norm() < parameters_.distinct_distance &&
+           std::abs(away.yaw_rad) < parameters_.distinct_angle;
+  }
+
+  /// The expected place alone if it agrees and none is better by what would make it unique.
+  std::vector<JudgedPlace> withoutEqualsOfExpected(std::vector<JudgedPlace> places) const {
+    if (!expected_ || places.empty()) return places;
+    const double enough = places.front().hypothesis.score - parameters_.minimum_lead;
+    const auto found = std::find_if(places.begin(), places.end(), [&](const JudgedPlace& place) {
+      return areOnePlace(place.hypothesis.target_from_source.pose, *expected_);
+    });
+    if (found == places.end() || found->hypothesis.score < enough || !agrees(found->verdict))
+      return places;
+    return {std::move(*found)};
+  }
+
   /// Best first, without those that are near a better one.
   std::vector<JudgedPlace> distinct(std::vector<JudgedPlace> places) const {
     std::stable_sort(places.begin(), places.end(), [](const auto& a, const auto& b) {
@@ -135,9 +156,7 @@ private:
     for (JudgedPlace& place : places) {
       const Pose2& pose = place.hypothesis.target_from_source.pose;
       const bool known = std::any_of(kept.begin(), kept.end(), [&](const JudgedPlace& better) {
-        const Pose2 away = better.hypothesis.target_from_source.pose.inverse() * pose;
-        return away.translation().norm() < parameters_.distinct_distance &&
-               std::abs(away.yaw_rad) < parameters_.distinct_angle;
+        return areOnePlace(better.hypothesis.target_from_source.pose, pose);
       });
       if (!known) kept.push_back(std::move(place));
     }
@@ -149,6 +168,7 @@ private:
   Views all_views_;
   Views views_;
   const MapViews& map_views_;
+  const std::optional<Pose2>& expected_;
   const FeatureMatchers& matchers_;
   const ConstellationParameters& parameters_;
 };
@@ -158,9 +178,10 @@ private:
 std::optional<PoseWithCovariance2> findPlace(const Constellation& map,
                                              const LocalConstellation& local,
                                              const MapViews& map_views,
+                                             const std::optional<Pose2>& expected,
                                              const FeatureMatchers& matchers,
                                              const ConstellationParameters& parameters) {
-  return PlaceFinder(map, local, map_views, matchers, parameters).find();
+  return PlaceFinder(map, local, map_views, expected, matchers, parameters).find();
 }
 
 }  // namespace ram_slam

@@ -20,10 +20,9 @@ constexpr double kSuspicious = 0.25;
 // That much is enough if it came from one view to the next: people need longer to change as much.
 constexpr double kSharp = 0.5;
 constexpr std::int64_t kSuspiciousForNs = 2'000'000'000;
-// A disturbance, not a kidnapping: soon after, without having moved on, everything looks as before.
+// A disturbance, not a kidnapping: before the robot has moved on everything looks as before.
 constexpr double kAgreeingShare = 0.03;
 constexpr std::int64_t kAgreeingForNs = 300'000'000;
-constexpr std::int64_t kFalseAlarmWithinNs = 1'500'000'000;
 constexpr double kFalseAlarmWithin_m = 1.0;
 constexpr double kFalseAlarmWithin_rad = 0.5;
 // A motion less certain than this says nothing about whether two views belong together.
@@ -258,6 +257,7 @@ void RecoveringSlam::remember() {
 
 void RecoveringSlam::loseTrack(LostReason reason) {
   reason_ = reason;
+  may_be_false_alarm_ = reason != LostReason::kAsked;
   if (!memories_.empty()) {
     const Memory& before = memories_.front();
     dead_reckoned_.pose =
@@ -291,10 +291,12 @@ void RecoveringSlam::search(const FeatureList& list,
     next_try_m_ = kTryEvery_m;
     found_.reset();
     last_good_view_.reset();
+    may_be_false_alarm_ = false;
   }
   local_.add(list, moved.pose, now.view);
   if (isFalseAlarm(now)) {
     resumeByOdometry(kResumeSigma_m, kResumeSigma_rad);
+    on_probation_ = false;  // it never was elsewhere
     return;
   }
   if (local_.distance_m() >= next_try_m_) tryToRecover();
@@ -319,8 +321,7 @@ bool RecoveringSlam::odometryIsRight(const View& now) {
 bool RecoveringSlam::isFalseAlarm(const View& now) {
   if (!last_good_view_ || now.view == nullptr) return false;
   const Pose2 moved = last_good_view_->local_from_base.inverse() * now.local_from_base;
-  if (now.stamp_ns > last_good_view_->stamp_ns + kFalseAlarmWithinNs ||
-      moved.translation().norm() > kFalseAlarmWithin_m ||
+  if (moved.translation().norm() > kFalseAlarmWithin_m ||
       std::abs(moved.yaw_rad) > kFalseAlarmWithin_rad) {
     last_good_view_.reset();
     return false;
@@ -334,8 +335,10 @@ void RecoveringSlam::tryToRecover() {
   next_try_m_ =
       local_.distance_m() + std::max({kTryEvery_m, kTryEveryShare * local_.distance_m(),
                                       kTryEveryPerView_m * static_cast<double>(map_views_.size())});
-  const std::optional<PoseWithCovariance2> place =
-      findPlace(mapConstellation(), local_, map_views_, matchers_, parameters_.constellation);
+  std::optional<Pose2> expected;
+  if (may_be_false_alarm_) expected = dead_reckoned_.pose;
+  const std::optional<PoseWithCovariance2> place = findPlace(
+      mapConstellation(), local_, map_views_, expected, matchers_, parameters_.constellation);
   if (!place) {
     found_.reset();
     return;

@@ -31,7 +31,7 @@ constexpr double kWeakPriorFactor = 100.0;  // by which the variance of disbelie
 constexpr double kReachM = 0.05;
 constexpr double kReachRad = 0.05;
 constexpr double kFastestMps = 2.0;
-constexpr double kFastestRadps = 6.0;
+constexpr double kFastestRadps = 4.0;
 
 using ram_parameters::require;
 using ram_parameters::requirePositive;

@@ -193,7 +193,7 @@ TEST_F(FindingPlaces, FindsAPlaceOfFewFeaturesByItsWalls) {
   const Walls room = oddRoom();
   const Constellation poles{pole(8.5, 0.0), pole(10.0, 3.0), pole(11.5, 0.0), pole(1.0, 3.0)};
   const Pose2 truth{9.2, 1.2, 0.1};
-  const auto place = findPlace(poles, driveTo(room, poles, truth), viewsOf(room), {}, {});
+  const auto place = findPlace(poles, driveTo(room, poles, truth), viewsOf(room), {}, {}, {});
   ASSERT_TRUE(place);
   EXPECT_PRED2(isNear, place->pose, truth);
 }
@@ -205,7 +205,14 @@ TEST_F(FindingPlaces, DoesNotChooseBetweenTwoPlacesThatLookAlike) {
     poles.push_back(pole(x_m, y_m));
     poles.push_back(pole(14.0 - x_m, 3.0 - y_m));
   }
-  EXPECT_FALSE(findPlace(poles, driveTo(room, poles, {9.2, 1.2, 0.1}), viewsOf(room), {}, {}));
+  const Pose2 truth{9.2, 1.2, 0.1};
+  const LocalConstellation local = driveTo(room, poles, truth);
+  EXPECT_FALSE(findPlace(poles, local, viewsOf(room), {}, {}, {}));
+  // Unless it is expected in one of them; a place that does not agree is not taken for that.
+  const auto place = findPlace(poles, local, viewsOf(room), truth, {}, {});
+  ASSERT_TRUE(place);
+  EXPECT_PRED2(isNear, place->pose, truth);
+  EXPECT_FALSE(findPlace(poles, local, viewsOf(room), Pose2{7.0, 1.5, 1.0}, {}, {}));
 }
 
 TEST_F(FindingPlaces, RefusesAPlaceWhoseWallsAreOthers) {
@@ -213,9 +220,9 @@ TEST_F(FindingPlaces, RefusesAPlaceWhoseWallsAreOthers) {
   const Constellation poles{pole(8.5, 0.0), pole(10.0, 3.0), pole(11.5, 0.0),
                             pole(9.0, 3.0), pole(10.5, 0.0), pole(7.5, 3.0)};
   const LocalConstellation local = driveTo(rectangle(-4.0, 0.0, 24.0, 3.0), poles, {9.2, 1.2, 0.1});
-  EXPECT_FALSE(findPlace(poles, local, viewsOf(oddRoom()), {}, {}));
+  EXPECT_FALSE(findPlace(poles, local, viewsOf(oddRoom()), {}, {}, {}));
   // Without views in the map the poles alone decide.
-  EXPECT_TRUE(findPlace(poles, local, {}, {}, {}));
+  EXPECT_TRUE(findPlace(poles, local, {}, {}, {}, {}));
 }
 
 }  // namespace

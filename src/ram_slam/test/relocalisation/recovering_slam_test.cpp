@@ -159,6 +159,18 @@ TEST_F(Kidnapped, AskedToForgetItFindsItsPlaceAgain) {
   EXPECT_LT(error_m(), 0.1);
 }
 
+TEST_F(Kidnapped, ADisturbanceEndsWhenEverythingIsAsBeforeHoweverLongItTook) {
+  mapTheRoom();
+  const Pose2 here = truth_;
+  truth_ = {11.0, 1.8, 3.0};  // what is seen is of another place, as with people all around
+  for (int i = 0; i < 60; ++i) look({});
+  ASSERT_TRUE(slam_.lost());
+  truth_ = here;
+  for (int i = 0; i < 20; ++i) look({});
+  EXPECT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.05);
+}
+
 TEST_F(Kidnapped, WhileLostNoTrajectoryIsFollowed) {
   mapTheRoom();
   const Trajectory path = slam_.filter().trajectory();

@@ -17,9 +17,12 @@ namespace ram_slam {
 /// accepted if uniqueHypothesis() says so. Where the map has views they have to agree, and then
 /// fewer features will do, since rooms that look alike to a few features seldom have the same
 /// walls.
+/// \param expected  where the robot is if what made it lost was an error: of places that are as
+/// good as each other this one is taken
 std::optional<PoseWithCovariance2> findPlace(const Constellation& map,
                                              const LocalConstellation& local,
                                              const MapViews& map_views,
+                                             const std::optional<Pose2>& expected,
                                              const FeatureMatchers& matchers,
                                              const ConstellationParameters& parameters);
 

@@ -156,6 +156,7 @@ private:
   std::int64_t doubted_ns_ = 0;         ///< when a view was compared with the map's last
   double doubt_s_ = 0.0;                ///< how much such views have contradicted of late
   PoseWithCovariance2 dead_reckoned_;   ///< while lost
+  bool may_be_false_alarm_ = false;     ///< then the robot is where odometry leads
   double next_try_m_ = 0.0;
   std::optional<Pose2> found_;  ///< local frame in the map, as the last try found it
 };
