@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t kMostLasers = 32;
 constexpr double kLogPeriodS = 5.0;
+/// As in ram_slam_ros::toLaserScan().
+constexpr float kLongestIncrementS = 1.0F;
 
 /// A frame without the leading slash that tf2 refuses.
 std::string withoutSlash(const std::string& frame) {
@@ -20,7 +22,7 @@ std::string withoutSlash(const std::string& frame) {
 }
 
 bool isDuration(float seconds) {
-  return std::isfinite(seconds) && seconds >= 0.0F && seconds < 1.0F;
+  return std::isfinite(seconds) && seconds >= 0.0F;
 }
 
 /// What is wrong with a scan that can be used all the same, and what is made of it.
@@ -31,9 +33,10 @@ std::vector<std::string> oddities(const sensor_msgs::LaserScan& message) {
   if (!(std::abs(beams - static_cast<double>(message.ranges.size())) <= 1.0)) {
     found.push_back("its ranges are not as many as its angles say; angle_max is not used");
   }
-  if (!isDuration(message.time_increment) || !isDuration(message.scan_time)) {
-    found.push_back("its time_increment or scan_time is none; taken as if measured at once");
+  if (!isDuration(message.time_increment) || message.time_increment >= kLongestIncrementS) {
+    found.push_back("its time_increment is no duration; taken as measured at once");
   }
+  if (!isDuration(message.scan_time)) found.push_back("its scan_time is no duration; not used");
   if (!message.intensities.empty() && message.intensities.size() != message.ranges.size()) {
     found.push_back("its intensities are not as many as its ranges; they are not used");
   }

@@ -201,8 +201,8 @@ class DetectorNodes(unittest.TestCase):
 
     def test_what_is_odd_but_can_be_used_is_said_once_by_both(self):
         for attribute, value, text in (
-                ("angle_max", 0.0, "not as many as its angles"), ("time_increment", NAN, "time_increment or scan_time"),
-                ("scan_time", -1.0, "time_increment or scan_time"), ("intensities", [NAN] * 3, "its intensities")):
+                ("angle_max", 0.0, "not as many as its angles"), ("time_increment", NAN, "its time_increment"),
+                ("scan_time", -1.0, "its scan_time"), ("intensities", [NAN] * 3, "its intensities")):
             for _ in range(3):
                 scan = self.scan()
                 setattr(scan, attribute, value)
