@@ -36,6 +36,9 @@ constexpr auto kServicePatience = milliseconds(200);
 /// Least standard deviations of an initial pose [m], [rad]: nobody clicks more exactly.
 constexpr double kInitialSigma_m = 0.01;
 constexpr double kInitialSigma_rad = 0.005;
+/// Corrections of the pose that are told: consumers see it jump.
+constexpr double kToldCorrection_m = 0.2;
+constexpr double kToldCorrection_rad = 0.1;
 constexpr std::size_t kMostMapBytes = std::size_t{1} << 31;
 
 FastSlamNodeParameters readNodeParameters(ram_parameters::ParameterReader& all) {
@@ -57,6 +60,15 @@ FastSlamNodeParameters readNodeParameters(ram_parameters::ParameterReader& all) 
                                 std::to_string(parameters.output_period));
   }
   return parameters;
+}
+
+void tellOfCorrection(const ram_slam::Pose2& before, const ram_slam::Pose2& after) {
+  const ram_slam::Pose2 correction = before.inverse() * after;
+  const double moved_m = correction.translation().norm();
+  if (moved_m < kToldCorrection_m && std::abs(correction.yaw_rad) < kToldCorrection_rad) return;
+  ROS_WARN_STREAM("The smoothed trajectory moves the pose by " << moved_m << " m and turns it by "
+                                                               << correction.yaw_rad
+                                                               << " rad, and the map with it");
 }
 
 }  // namespace
@@ -199,7 +211,9 @@ void FastSlamNode::onSmoothedTrajectory(const nav_msgs::Path& message) {
     ram_slam::Trajectory trajectory = toTrajectory(message);
     const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
     if (!lock.owns_lock()) throw std::runtime_error("the filter is busy");
+    const ram_slam::Pose2 before = filter_->estimate().pose;
     const ram_slam::Pose2 map_from_smoothed = filter_->followTrajectory(trajectory);
+    tellOfCorrection(before, filter_->estimate().pose);
     for (ram_slam::StampedPose2& stamped : trajectory)
       stamped.pose = map_from_smoothed * stamped.pose;
     corrected_trajectory_.publish(toPath(trajectory, node_parameters_.frames.map));

@@ -13,9 +13,11 @@ import rospy
 import rostest
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped
+from nav_msgs.msg import Path
 from ram_slam_msgs.msg import Feature, FeatureList, LandmarkMap
 from ram_slam_msgs.srv import PredictStateWithCovariance, PredictStateWithCovarianceResponse
+from rosgraph_msgs.msg import Log
 from std_msgs.msg import Bool
 from std_srvs.srv import Empty, SetBool, Trigger
 
@@ -63,6 +65,9 @@ class FastSlamNode(unittest.TestCase):
         cls.lost = Topic("lost", Bool)
         cls.landmarks = Topic("landmarks", LandmarkMap)
         cls.diagnostics = Topic("/diagnostics", DiagnosticArray)
+        cls.corrected = Topic("corrected_trajectory", Path)
+        cls.logs = Topic("/rosout", Log)
+        cls.smoothed = rospy.Publisher("smoothed_trajectory", Path, queue_size=1)
         cls.features = rospy.Publisher("features", FeatureList, queue_size=100, tcp_nodelay=True)
         cls.initial_pose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=10)
         cls.broadcaster = tf2_ros.TransformBroadcaster()
@@ -76,7 +81,9 @@ class FastSlamNode(unittest.TestCase):
         cls.serve()
         assert wait_until(lambda: cls.features.get_num_connections() > 0 and
                           cls.pose.subscriber.get_num_connections() > 0 and
-                          cls.initial_pose.get_num_connections() > 0)
+                          cls.initial_pose.get_num_connections() > 0 and
+                          cls.smoothed.get_num_connections() > 0 and
+                          cls.corrected.subscriber.get_num_connections() > 0)
 
     @classmethod
     def serve(cls):
@@ -300,6 +307,35 @@ class FastSlamNode(unittest.TestCase):
             time.sleep(0.3)
         # Far from every landmark that it knows: nothing corrects it.
         self.assertAlmostEqual(self.drive(1).pose.pose.position.x, 30.0, delta=0.3)
+
+    def test_a_correction_that_moves_the_pose_is_told_to_all(self):  # F135
+        def follow(stretch):
+            path = Path()
+            path.header.frame_id = "map"
+            for i in range(21):
+                pose = PoseStamped()
+                pose.header.stamp = rospy.Time.from_sec(round(self.now - PERIOD_S * (20 - i), 3))
+                pose.pose.position.x = stretch * SPEED * PERIOD_S * i
+                pose.pose.orientation.w = 1.0
+                path.poses.append(pose)
+            count = len(self.corrected.messages)
+            self.smoothed.publish(path)
+            self.assertTrue(wait_until(lambda: len(self.corrected.messages) > count))
+            return self.corrected.messages[-1].poses
+
+        def told():
+            return [log.msg for log in self.logs.messages if "moves the pose by" in log.msg]
+
+        self.drive(40)
+        follow(1.0)
+        self.assertEqual(told(), [])
+        poses = follow(1.5)
+        moved = 0.5 * SPEED * PERIOD_S * 20
+        self.assertTrue(wait_until(lambda: len(told()) == 1))
+        self.assertAlmostEqual(poses[-1].pose.position.x - poses[0].pose.position.x, 3.0 * moved, delta=0.02)
+        self.assertTrue(wait_until(
+            lambda: abs(self.pose.messages[-1].pose.pose.position.x - self.x() - moved) < 0.05))
+        self.assertAlmostEqual(self.drive(5).pose.pose.position.x, self.x() + moved, delta=0.1)
 
     def test_pause_drops_features(self):
         self.drive(2)
