@@ -46,6 +46,15 @@ std::vector<std::string> oddities(const sensor_msgs::LaserScan& message) {
   return found;
 }
 
+/// Whether no reading says anything, as of a laser that is covered or broken.
+bool isBlind(const ram_slam::LaserScan& scan) {
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    const ram_slam::Return seen = scan.at(beam);
+    if (seen == ram_slam::Return::kHit || seen == ram_slam::Return::kNothing) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 ScanInput::ScanInput(const std::string& base_frame, Callback use)
@@ -90,6 +99,10 @@ void ScanInput::process(const sensor_msgs::LaserScan& message) {
     if (said_.insert(laser_frame + oddity).second) {
       ROS_WARN_STREAM("Scan of " << laser_frame << ": " << oddity << " (said once)");
     }
+  }
+  if (isBlind(scan)) {
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS,
+                             "Scan of " << laser_frame << ": no reading says anything");
   }
   if (mounting.upside_down) scan = ram_slam::mirrored(std::move(scan));
   use_(scan, mounting.base_from_sensor);

@@ -164,6 +164,8 @@ class DetectorNodes(unittest.TestCase):
             scan = self.scan()
             scan.ranges = [value] * len(scan.ranges)
             self.assertEqual(self.corners_of(scan), 0, value)
+        for node in ("/feature_detector", "/edge_detector"):
+            self.assertTrue(self.wait_until(lambda: self.said(node, Log.WARN, "no reading says anything")))
 
     def test_a_few_readings_without_meaning_do_no_harm(self):
         scan = self.scan()
