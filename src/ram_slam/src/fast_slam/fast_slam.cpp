@@ -15,6 +15,9 @@ namespace {
 
 constexpr double kMemory = 0.95;            // of the running means of quality, per list
 constexpr double kFeatureDistance_m = 5.0;  // typical: turns errors of features into errors of yaw
+// A smoother goes by scans, without the errors of features: so much of them is left where the map
+// has followed one.
+constexpr double kFollowedFloor = 0.5;
 constexpr double kSymmetryTolerance = 1e-9;
 // Orientations: of things as they are, beyond what detectors state; share that is plainly wrong.
 constexpr double kOrientationSigma_rad = 0.07;
@@ -131,6 +134,7 @@ void FastSlam::setMap(const LandmarkMap& map) {
     landmarks.set(estimate.id, {estimate.mean_m, estimate.covariance_m2});
   }
   registry_ = std::move(registry);
+  follows_trajectory_ = false;
   for (Particle& particle : particles_) {
     particle.landmarks = landmarks;
     particle.path = {};
@@ -307,7 +311,8 @@ void FastSlam::coverDrift() {
     record.drift = drift_.bridged(record.drift, open, record.bounds_m.center());
   estimate_.covariance = drift_.at(estimate_.pose);
   // What features have in common from scan to scan no number of them makes smaller.
-  const double floor_m = parameters_.pose_noise_floor;
+  const double floor_m = follows_trajectory_ ? kFollowedFloor * parameters_.pose_noise_floor
+                                             : parameters_.pose_noise_floor;
   const double floor_rad = floor_m / kFeatureDistance_m;
   estimate_.covariance.diagonal() +=
       Eigen::Vector3d(floor_m * floor_m, floor_m * floor_m, floor_rad * floor_rad);

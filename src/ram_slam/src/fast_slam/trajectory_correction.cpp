@@ -82,6 +82,7 @@ Pose2 FastSlam::followTrajectory(const Trajectory& corrected) {
     particle.path = path;
   }
   estimate_ = now * estimate_;
+  follows_trajectory_ = true;
   for (LandmarkRecord& record : registry_.records()) refreshBounds(record);
   removeDuplicates();
   return correction.mapFromCorrected();

@@ -178,6 +178,7 @@ private:
   std::vector<Particle> particles_;
   std::size_t best_ = 0;
   PoseWithCovariance2 estimate_;
+  bool follows_trajectory_ = false;  ///< the map has been bent along a smoothed one
   MapDrift drift_;
   FastSlamQuality quality_;
   std::vector<Association> associations_;
