@@ -3,44 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <queue>
 #include <stdexcept>
 #include <string>
 #include <utility>
-
-#include <Eigen/LU>
 
 namespace ram_slam {
 namespace {
 
 constexpr double kViewRangeM = 8.0;       // what lies farther does not say where a scan looks
 constexpr double kMetresPerRadian = 0.5;  // turning counts as path: odometry drifts by it, too
-constexpr double kClosurePathM = 0.5;     // a closure is as good as so much path
-constexpr std::size_t kVerifiedCandidates = 3;
-constexpr double kSolveBeyondM =
-    0.1;  // a closure that moves the newest pose by more is solved for at once
-constexpr double kSolveBeyondRad = 0.03;
-constexpr double kCorrectionM = 0.03;  // a smaller motion of the newest pose is none
-constexpr double kCorrectionRad = 0.01;
 constexpr double kMinTrust = 0.5;
+// Of the scans between two key scans those are aligned, too, between which so much motion lies.
+constexpr double kBetweenM = 0.05;
+constexpr double kBetweenRad = 0.05;
+constexpr std::size_t kBetweenReferences = 3;  // the newest key scans
 constexpr std::size_t kFarthestBack = 4;  // key scans that a new one is aligned with: 1, 2, 4 back
-// A closure is not searched for again so many key scans beside one that is known.
-constexpr std::size_t kRefusedKeys = 10;
-constexpr std::size_t kAcceptedKeys = 4;
-// Nor a search that failed, so many key scans beside it, in a window that it covers but for these.
-constexpr std::size_t kFailedKeys = 2;
-constexpr double kSearchMarginM = 0.25;
-constexpr double kSearchMarginRad = 0.05;
-constexpr int kMaxSweeps = 2;
-constexpr double kSweepPathM =
-    30.0;  // once all loops found are closed, no pose has drifted by more path than this
-
-std::size_t distance(std::size_t a, std::size_t b) {
-  return a > b ? a - b : b - a;
-}
-
 Eigen::Vector2d viewCentre(const SurfaceScan& surfaces) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double count = 0.0;
@@ -53,14 +31,20 @@ Eigen::Vector2d viewCentre(const SurfaceScan& surfaces) {
   return count > 0.0 ? Eigen::Vector2d(sum / count) : sum;
 }
 
-/// (C + D)^-1 for D = diag(deviations^2), from C^-1, which may be singular: walls leave directions
-/// open.
-Eigen::Matrix3d withFloor(const Eigen::Matrix3d& information,
-                          double deviation_m,
-                          double deviation_rad) {
+bool isFarther(const Pose2& motion, double distance_m, double angle_rad) {
+  return motion.translation().norm() >= distance_m || std::abs(motion.yaw_rad) >= angle_rad;
+}
+
+/// Of a motion as it is given, in the axes of its start.
+Eigen::Matrix3d informationOf(const Pose2& motion, const MapSmootherParameters& parameters) {
+  const double distance_m = motion.translation().norm();
+  const double deviation_m =
+      parameters.motion_rest_deviation_m + parameters.motion_deviation_m_per_m * distance_m;
+  const double deviation_rad = parameters.motion_rest_deviation_rad +
+                               parameters.motion_deviation_rad_per_m * distance_m +
+                               parameters.motion_deviation_rad_per_rad * std::abs(motion.yaw_rad);
   const Eigen::Vector3d deviations(deviation_m, deviation_m, deviation_rad);
-  const Eigen::Matrix3d floor = deviations.cwiseAbs2().asDiagonal();
-  return information * (Eigen::Matrix3d::Identity() + floor * information).inverse();
+  return deviations.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
 }  // namespace
@@ -80,27 +64,37 @@ void MapSmoother::addScan(const LaserScan& scan,
                                 " ns, not later than the last one, " +
                                 std::to_string(scans_.back().stamp_ns) + " ns");
   }
-  if (key_scans_.empty() || isKeyScan(odom_from_base)) {
+  const bool is_key = key_scans_.empty() || isKeyScan(odom_from_base);
+  if (is_key || isBetweenScan(odom_from_base)) {
     Pose2 last_beam;
     if (!scans_.empty()) {
       const Pose2 motion = scans_.back().odom_from_base.inverse() * odom_from_base;
       last_beam = continued(base_from_laser.inverse() * motion * base_from_laser,
                             scan.stamp_ns - scans_.back().stamp_ns, scan.duration_ns());
     }
-    addKeyScan(scan.stamp_ns, extractSurfaces(scan, parameters_.surfaces, last_beam),
-               base_from_laser, odom_from_base);
-    if (key_scans_.back().path_m - searched_path_m_ >= parameters_.loop_search_distance_m)
-      searchLoops(key_scans_.size() - 1, std::numeric_limits<double>::infinity());
+    SurfaceScan surfaces = extractSurfaces(scan, parameters_.surfaces, last_beam);
+    if (is_key) {
+      addKeyScan(scan.stamp_ns, std::move(surfaces), base_from_laser, odom_from_base);
+    } else {
+      between_scans_.push_back({scans_.size(), std::move(surfaces), base_from_laser});
+    }
   }
   scans_.push_back({scan.stamp_ns, key_scans_.size() - 1, odom_from_base});
+  if (is_key && key_scans_.back().path_m - searched_path_m_ >= parameters_.loop_search_distance_m)
+    searchLoops(key_scans_.size() - 1, std::numeric_limits<double>::infinity());
 }
 
 bool MapSmoother::isKeyScan(const Pose2& odom_from_base) const {
-  const KeyScan& last = key_scans_.back();
-  const Pose2 motion =
-      (odom_from_laser_.back() * last.base_from_laser.inverse()).inverse() * odom_from_base;
-  return motion.translation().norm() >= parameters_.key_scan_distance_m ||
-         std::abs(motion.yaw_rad) >= parameters_.key_scan_angle_rad;
+  const Pose2 odom_from_key = odom_from_laser_.back() * key_scans_.back().base_from_laser.inverse();
+  return isFarther(odom_from_key.inverse() * odom_from_base, parameters_.key_scan_distance_m,
+                   parameters_.key_scan_angle_rad);
+}
+
+bool MapSmoother::isBetweenScan(const Pose2& odom_from_base) const {
+  const Pose2 odom_from_last =
+      between_scans_.empty() ? odom_from_laser_.back() * key_scans_.back().base_from_laser.inverse()
+                             : scans_[between_scans_.back().record].odom_from_base;
+  return isFarther(odom_from_last.inverse() * odom_from_base, kBetweenM, kBetweenRad);
 }
 
 void MapSmoother::addKeyScan(std::int64_t stamp_ns,
@@ -136,6 +130,7 @@ void MapSmoother::addKeyScan(std::int64_t stamp_ns,
                                parameters_.match_deviation_rad);
   motion_.push_back(edge);
   key_scans_.back().map_from_laser = last.map_from_laser * edge.from_from_to;
+  alignBetweenScans();
 }
 
 std::vector<ReferenceScan> MapSmoother::scansBefore(std::size_t key) const {
@@ -150,121 +145,57 @@ PoseEdge MapSmoother::motionEdge(std::size_t to) const {
   edge.from = to - 1;
   edge.to = to;
   edge.from_from_to = odom_from_laser_[to - 1].inverse() * odom_from_laser_[to];
-  const double distance_m = edge.from_from_to.translation().norm();
-  const double deviation_m =
-      parameters_.motion_rest_deviation_m + parameters_.motion_deviation_m_per_m * distance_m;
-  const double deviation_rad =
-      parameters_.motion_rest_deviation_rad + parameters_.motion_deviation_rad_per_m * distance_m +
-      parameters_.motion_deviation_rad_per_rad * std::abs(edge.from_from_to.yaw_rad);
-  edge.information.diagonal() << 1.0 / (deviation_m * deviation_m),
-      1.0 / (deviation_m * deviation_m), 1.0 / (deviation_rad * deviation_rad);
+  edge.information = informationOf(edge.from_from_to, parameters_);
   return edge;
 }
 
-bool MapSmoother::isSettled(std::size_t from, std::size_t to) const {
-  return std::any_of(closures_.begin(), closures_.end(), [&](const LoopClosure& closure) {
-    if (closure.state == ClosureState::kOutvoted) return false;
-    const std::size_t reach =
-        closure.state == ClosureState::kRefused ? kRefusedKeys : kAcceptedKeys;
-    return distance(closure.edge.from, from) <= reach && distance(closure.edge.to, to) <= reach;
-  });
+void MapSmoother::alignBetweenScans() {
+  if (between_scans_.empty()) return;
+  std::vector<ReferenceScan> references;
+  for (std::size_t key = key_scans_.size() - std::min(key_scans_.size(), kBetweenReferences);
+       key < key_scans_.size(); ++key) {
+    references.push_back({&key_scans_[key].surfaces, key_scans_[key].map_from_laser});
+  }
+  const std::size_t key = key_scans_.size() - 2;
+  for (const BetweenScan& between : between_scans_) {
+    ScanRecord& scan = scans_[between.record];
+    const Pose2 expected = poseByKeyScans(scan) * between.base_from_laser;
+    const Pose2 motion =
+        odom_from_laser_[key].inverse() * scan.odom_from_base * between.base_from_laser;
+    const ScanMatch match =
+        matchScan(between.surfaces, references, {expected, informationOf(motion, parameters_)},
+                  expected, parameters_.matcher);
+    if (match.inlier_ratio < parameters_.refinement.min_inlier_ratio) continue;
+    const Pose2 shift = expected.inverse() * match.map_from_laser;
+    scan.shift = between.base_from_laser * shift * between.base_from_laser.inverse();
+  }
+  shareShifts(key_scans_[key].stamp_ns, key_scans_.back().stamp_ns);
+  between_scans_.clear();
+}
+
+void MapSmoother::shareShifts(std::int64_t from_ns, std::int64_t to_ns) {
+  std::size_t i = between_scans_.front().record;
+  while (i > 0 && scans_[i - 1].stamp_ns > from_ns) --i;
+  Pose2 from_shift;
+  const auto shareUpTo = [&](std::size_t end, std::int64_t end_ns, const Pose2& end_shift) {
+    for (; i < end; ++i) {
+      const auto since = static_cast<double>(scans_[i].stamp_ns - from_ns);
+      scans_[i].shift =
+          interpolate(from_shift, end_shift, since / static_cast<double>(end_ns - from_ns));
+    }
+    from_ns = end_ns;
+    from_shift = end_shift;
+  };
+  for (const BetweenScan& between : between_scans_) {
+    const ScanRecord& scan = scans_[between.record];
+    shareUpTo(between.record, scan.stamp_ns, scan.shift);
+    ++i;  // itself
+  }
+  shareUpTo(scans_.size(), to_ns, {});
 }
 
 Pose2 MapSmoother::relativePose(std::size_t from, std::size_t to) const {
   return key_scans_[from].map_from_laser.inverse() * key_scans_[to].map_from_laser;
-}
-
-bool MapSmoother::wasSearched(std::size_t from, std::size_t to, double path_m) const {
-  const SearchWindow window = searchWindow(path_m, parameters_.loops);
-  return std::any_of(failed_searches_.begin(), failed_searches_.end(), [&](const auto& failed) {
-    if (distance(failed.from, from) > kFailedKeys || distance(failed.to, to) > kFailedKeys)
-      return false;
-    // What was searched then, seen from these two key scans.
-    const Pose2 centre =
-        relativePose(from, failed.from) * failed.from_from_to * relativePose(failed.to, to);
-    const Pose2 shift = centre.inverse() * relativePose(from, to);
-    return shift.translation().norm() + window.distance_m <=
-               failed.window.distance_m + kSearchMarginM &&
-           std::abs(shift.yaw_rad) + window.angle_rad <= failed.window.angle_rad + kSearchMarginRad;
-  });
-}
-
-bool MapSmoother::searchLoops(std::size_t newest, double max_path_m) {
-  const bool is_sweep = max_path_m < std::numeric_limits<double>::infinity();
-  searched_path_m_ = key_scans_[newest].path_m;
-  std::vector<double> paths_m = pathsTo(newest);
-  for (double& path_m : paths_m) path_m = std::min(path_m, max_path_m);
-  std::vector<std::size_t> candidates =
-      findLoopCandidates(key_scans_, newest, paths_m, parameters_.loops);
-  if (candidates.size() > kVerifiedCandidates) candidates.resize(kVerifiedCandidates);
-  bool found = false;
-  for (const std::size_t candidate : candidates) {
-    if (isSettled(candidate, newest)) continue;
-    if (is_sweep && wasSearched(candidate, newest, paths_m[candidate])) continue;
-    const auto match = verifyLoop(key_scans_, candidate, newest, paths_m[candidate],
-                                  parameters_.matcher, parameters_.loops);
-    if (!match) {
-      failed_searches_.push_back({candidate, newest, relativePose(candidate, newest),
-                                  searchWindow(paths_m[candidate], parameters_.loops)});
-      continue;
-    }
-    const Pose2 wanted = key_scans_[candidate].map_from_laser * match->edge.from_from_to;
-    const Pose2 correction = key_scans_[newest].map_from_laser.inverse() * wanted;
-    LoopClosure closure;
-    closure.old_stamp_ns = key_scans_[candidate].stamp_ns;
-    closure.new_stamp_ns = key_scans_[newest].stamp_ns;
-    closure.edge = match->edge;
-    closure.edge.information = withFloor(closure.edge.information, parameters_.closure_deviation_m,
-                                         parameters_.closure_deviation_rad);
-    closure.score = match->score;
-    closure.inlier_ratio = match->inlier_ratio;
-    closure.is_ambiguous = match->is_ambiguous;
-    closure.correction_m = correction.translation().norm();
-    closures_.push_back(closure);
-    if (closure.correction_m > kSolveBeyondM || std::abs(correction.yaw_rad) > kSolveBeyondRad) {
-      const Pose2 before = key_scans_[newest].map_from_laser;
-      solveGraph();
-      const Pose2 moved = before.inverse() * key_scans_[newest].map_from_laser;
-      if (moved.translation().norm() > kCorrectionM || std::abs(moved.yaw_rad) > kCorrectionRad)
-        ++correction_count_;
-    }
-    found = true;
-  }
-  return found;
-}
-
-std::vector<double> MapSmoother::pathsTo(std::size_t node_sought) const {
-  std::vector<std::pair<std::size_t, std::size_t>> shortcuts;  // both ways, by where they begin
-  for (const LoopClosure& closure : closures_) {
-    if (closure.state != ClosureState::kAccepted || closure.is_ambiguous) continue;
-    shortcuts.emplace_back(closure.edge.from, closure.edge.to);
-    shortcuts.emplace_back(closure.edge.to, closure.edge.from);
-  }
-  std::sort(shortcuts.begin(), shortcuts.end());
-  std::vector<double> length_m(key_scans_.size(), std::numeric_limits<double>::infinity());
-  using Entry = std::pair<double, std::size_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  const auto reach = [&](std::size_t node, double length) {
-    if (length >= length_m[node]) return;
-    length_m[node] = length;
-    queue.emplace(length, node);
-  };
-  reach(node_sought, 0.0);
-  while (!queue.empty()) {
-    const auto [length, node] = queue.top();
-    queue.pop();
-    if (length > length_m[node]) continue;
-    const double path_m = key_scans_[node].path_m;
-    if (node > 0) reach(node - 1, length + path_m - key_scans_[node - 1].path_m);
-    if (node + 1 < key_scans_.size())
-      reach(node + 1, length + key_scans_[node + 1].path_m - path_m);
-    for (auto way =
-             std::lower_bound(shortcuts.begin(), shortcuts.end(), std::pair(node, std::size_t{0}));
-         way != shortcuts.end() && way->first == node; ++way) {
-      reach(way->second, length + kClosurePathM);
-    }
-  }
-  return length_m;
 }
 
 PoseGraph MapSmoother::laserGraph() const {
@@ -288,20 +219,6 @@ void MapSmoother::solveGraph() {
   }
 }
 
-void MapSmoother::sweepLoops() {
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    bool found = false;
-    double searched_path_m = 0.0;
-    for (std::size_t key = 0; key < key_scans_.size(); ++key) {
-      if (key_scans_[key].path_m - searched_path_m < parameters_.loop_search_distance_m) continue;
-      searched_path_m = key_scans_[key].path_m;
-      found = searchLoops(key, kSweepPathM) || found;
-    }
-    if (!found) return;
-    solveGraph();
-  }
-}
-
 void MapSmoother::optimize() {
   if (key_scans_.empty()) return;
   solveGraph();
@@ -314,25 +231,26 @@ void MapSmoother::optimize() {
 }
 
 std::vector<StampedPose2> MapSmoother::trajectory() const {
-  // A scan keeps its place relative to the key scans before and after it, each by the share of the
-  // other's path.
   std::vector<StampedPose2> poses;
   poses.reserve(scans_.size());
-  for (const ScanRecord& scan : scans_) {
-    const auto corrected = [&](std::size_t key) {
-      const Pose2 key_laser_from_base = odom_from_laser_[key].inverse() * scan.odom_from_base;
-      return key_scans_[key].map_from_laser * key_laser_from_base;
-    };
-    Pose2 pose = corrected(scan.key);
-    if (scan.key + 1 < key_scans_.size() && scan.stamp_ns > key_scans_[scan.key].stamp_ns) {
-      const auto since = static_cast<double>(scan.stamp_ns - key_scans_[scan.key].stamp_ns);
-      const auto interval =
-          static_cast<double>(key_scans_[scan.key + 1].stamp_ns - key_scans_[scan.key].stamp_ns);
-      pose = interpolate(pose, corrected(scan.key + 1), since / interval);
-    }
-    poses.push_back({scan.stamp_ns, pose});
-  }
+  for (const ScanRecord& scan : scans_)
+    poses.push_back({scan.stamp_ns, poseByKeyScans(scan) * scan.shift});
   return poses;
+}
+
+Pose2 MapSmoother::poseByKeyScans(const ScanRecord& scan) const {
+  // It keeps its place relative to each of the two, each by the share of the other's path.
+  const auto corrected = [&](std::size_t key) {
+    const Pose2 key_laser_from_base = odom_from_laser_[key].inverse() * scan.odom_from_base;
+    return key_scans_[key].map_from_laser * key_laser_from_base;
+  };
+  const Pose2 pose = corrected(scan.key);
+  if (scan.key + 1 == key_scans_.size() || scan.stamp_ns == key_scans_[scan.key].stamp_ns)
+    return pose;
+  const auto since = static_cast<double>(scan.stamp_ns - key_scans_[scan.key].stamp_ns);
+  const auto interval =
+      static_cast<double>(key_scans_[scan.key + 1].stamp_ns - key_scans_[scan.key].stamp_ns);
+  return interpolate(pose, corrected(scan.key + 1), since / interval);
 }
 
 void MapSmoother::refuseClosure(std::size_t index) {

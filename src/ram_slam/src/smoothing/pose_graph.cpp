@@ -203,6 +203,14 @@ PoseGraphSolution solvePoseGraph(const PoseGraph& graph, const PoseGraphParamete
   return solution;
 }
 
+Eigen::Matrix3d withFloor(const Eigen::Matrix3d& information,
+                          double deviation_m,
+                          double deviation_rad) {
+  const Eigen::Vector3d deviations(deviation_m, deviation_m, deviation_rad);
+  const Eigen::Matrix3d floor = deviations.cwiseAbs2().asDiagonal();
+  return information * (Eigen::Matrix3d::Identity() + floor * information).inverse();
+}
+
 double edgeChi2(const PoseEdge& edge, const std::vector<Pose2>& map_from_node) {
   const Pose2& from = map_from_node[edge.from];
   const Pose2& to = map_from_node[edge.to];

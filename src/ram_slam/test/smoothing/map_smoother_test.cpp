@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 
+#include "ram_slam/random.hpp"
+
 #include "../scan_matching/walls.hpp"
 
 namespace ram_slam {
@@ -90,6 +92,20 @@ TEST(MapSmoother, CutsTheErrorOfDriftingWheelsFivefold) {
   EXPECT_LT(rmsError(smoother.trajectory(), truth), 0.2 * rmsError(before, truth));
   EXPECT_LT(rmsError(smoother.trajectory(), truth), 0.05);
   EXPECT_THAT(smoother.closures(), Not(IsEmpty()));
+}
+
+TEST(MapSmoother, AlignsTheScansBetweenTwoKeyScans) {
+  const std::vector<Pose2> truth = rounds(1);
+  Random random(1);
+  std::vector<Pose2> odometry;
+  std::vector<StampedPose2> before;
+  for (const Pose2& pose : truth) {
+    odometry.push_back(pose * Pose2{0.02 * random.gaussian(), 0.02 * random.gaussian(), 0.0});
+    before.push_back({0, odometry.back()});
+  }
+  odometry[0] = truth[0];
+  const auto trajectory = smoothed(building(), truth, odometry).trajectory();
+  EXPECT_LT(rmsError(trajectory, truth), 0.5 * rmsError(before, truth));
 }
 
 TEST(MapSmoother, CountsTheClosuresThatMoveTheRobotAndNothingElse) {

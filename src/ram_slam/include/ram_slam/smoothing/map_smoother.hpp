@@ -114,6 +114,15 @@ private:
     std::int64_t stamp_ns = 0;
     std::size_t key = 0;  ///< the key scan at or before it
     Pose2 odom_from_base;
+    /// What its own alignment adds to the pose that the key scans before and after give it.
+    Pose2 shift = {};
+  };
+
+  /// A scan since the newest key scan that is aligned with it and the next one.
+  struct BetweenScan {
+    std::size_t record = 0;  ///< index into scans_
+    SurfaceScan surfaces;
+    Pose2 base_from_laser;
   };
 
   struct FailedSearch {
@@ -124,11 +133,19 @@ private:
   };
 
   bool isKeyScan(const Pose2& odom_from_base) const;
+  bool isBetweenScan(const Pose2& odom_from_base) const;
   void addKeyScan(std::int64_t stamp_ns,
                   SurfaceScan surfaces,
                   const Pose2& base_from_laser,
                   const Pose2& odom_from_base);
   PoseEdge motionEdge(std::size_t to) const;
+  /// Aligns the scans between the two newest key scans.
+  void alignBetweenScans();
+  /// Gives the scans between those aligned their shares of the shifts; there is none at either key
+  /// scan.
+  void shareShifts(std::int64_t from_ns, std::int64_t to_ns);
+  /// Where the key scans before and after a scan put the base.
+  Pose2 poseByKeyScans(const ScanRecord& scan) const;
   /// Some key scans before one, seen from the last of them.
   std::vector<ReferenceScan> scansBefore(std::size_t key) const;
   /// Looks for places that key scan `newest` shares with earlier ones, as if drifted by at most so
@@ -146,6 +163,7 @@ private:
 
   MapSmootherParameters parameters_;
   std::vector<ScanRecord> scans_;
+  std::vector<BetweenScan> between_scans_;
   std::vector<KeyScan> key_scans_;
   std::vector<Pose2> odom_from_laser_;  // as given, of key scans
   std::vector<PoseEdge> motion_;        // between successive key scans, with what their scans tell

@@ -51,6 +51,13 @@ struct PoseGraphParameters {
 /// is not finite \throws std::runtime_error if the solver fails
 PoseGraphSolution solvePoseGraph(const PoseGraph& graph, const PoseGraphParameters& parameters);
 
+/// The information left when independent errors of these deviations are added: (C + D)^-1 for D =
+/// diag(deviation_m^2, deviation_m^2, deviation_rad^2), from C^-1, which may be singular: walls
+/// leave directions open.
+Eigen::Matrix3d withFloor(const Eigen::Matrix3d& information,
+                          double deviation_m,
+                          double deviation_rad);
+
 /// Squared Mahalanobis distance of an edge at given poses.
 double edgeChi2(const PoseEdge& edge, const std::vector<Pose2>& map_from_node);
 
