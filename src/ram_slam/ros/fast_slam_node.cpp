@@ -77,8 +77,6 @@ FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
     : node_parameters_(readNodeParameters(reader)),
       parameters_(ram_slam::readFastSlamParameters(reader)),
       recovery_parameters_(ram_slam::readRecoveryParameters(reader)),
-      matcher_loader_("ram_slam", "ram_slam::FeatureMatcher"),
-      matchers_(loadMatchers()),
       map_to_odom_(node_parameters_.frames, parameters_.future_interpol, buffer_),
       kinematics_(node_),
       motion_(kinematics_),
@@ -126,21 +124,6 @@ void FastSlamNode::subscribe() {
   }
   for (const ros::Subscriber& subscriber : subscribers_)
     ROS_INFO_STREAM("Listening to " << subscriber.getTopic());
-}
-
-ram_slam::FeatureMatchers FastSlamNode::loadMatchers() {
-  ram_slam::FeatureMatchers matchers;
-  for (const std::string& type : matcher_loader_.getDeclaredClasses()) {
-    try {
-      matchers[type] = matcher_loader_.createSharedInstance(type);
-      ROS_INFO_STREAM("Features of type '" << type << "' are compared by "
-                                           << matcher_loader_.getClassType(type));
-    } catch (const pluginlib::PluginlibException& error) {
-      ROS_ERROR_STREAM("Features of type '" << type
-                                            << "' are matched by geometry alone: " << error.what());
-    }
-  }
-  return matchers;
 }
 
 void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
@@ -330,7 +313,8 @@ void FastSlamNode::restart(const std::string& reason) {
 }
 
 std::unique_ptr<ram_slam::RecoveringSlam> FastSlamNode::makeFilter() const {
-  return std::make_unique<ram_slam::RecoveringSlam>(parameters_, recovery_parameters_, matchers_);
+  return std::make_unique<ram_slam::RecoveringSlam>(parameters_, recovery_parameters_,
+                                                    matchers_.matchers());
 }
 
 void FastSlamNode::loadInitialMap() {

@@ -13,7 +13,6 @@
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/Path.h>
-#include <pluginlib/class_loader.hpp>
 #include <ram_slam_msgs/FeatureList.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
@@ -30,6 +29,7 @@
 #include "fast_slam_diagnostics.hpp"
 #include "kinematics_client.hpp"
 #include "map_to_odom_publisher.hpp"
+#include "matcher_plugins.hpp"
 
 namespace ram_slam_ros {
 
@@ -65,7 +65,6 @@ private:
 
   void subscribe();
   void advertise();
-  ram_slam::FeatureMatchers loadMatchers();
   /// The thread of the filter.
   void run();
   void process(const ram_slam::FeatureList& list);
@@ -82,8 +81,7 @@ private:
   FastSlamNodeParameters node_parameters_;
   ram_slam::FastSlamParameters parameters_;
   ram_slam::RecoveryParameters recovery_parameters_;
-  pluginlib::ClassLoader<ram_slam::FeatureMatcher> matcher_loader_;
-  ram_slam::FeatureMatchers matchers_;
+  MatcherPlugins matchers_;
 
   ros::NodeHandle node_;
   tf2_ros::Buffer buffer_;

@@ -18,13 +18,15 @@ constexpr double kWarnPeriodS = 5.0;
 
 MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readMapSmootherParameters(reader)),
-      smoother_(parameters_),
+      smoother_(parameters_, matchers_.matchers()),
       queue_(parameters_.base_frame, true) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   publisher_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, true);
   scan_subscriber_ = node_.subscribe("scan", kQueueSize, &MapSmootherNode::onScan, this, hints);
   odometry_subscriber_ =
       node_.subscribe("odom", kQueueSize, &MapSmootherNode::onOdometry, this, hints);
+  features_subscriber_ =
+      node_.subscribe("features", kQueueSize, &MapSmootherNode::onFeatures, this, hints);
   optimize_service_ =
       private_node_.advertiseService("optimize", &MapSmootherNode::onOptimize, this);
   undo_service_ =
@@ -53,6 +55,18 @@ void MapSmootherNode::onOdometry(const nav_msgs::Odometry& message) {
   processWaiting();
 }
 
+void MapSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
+  try {
+    if (message.header.frame_id != parameters_.base_frame) {
+      throw std::invalid_argument("they are in '" + message.header.frame_id + "' instead of '" +
+                                  parameters_.base_frame + "'");
+    }
+    smoother_.addFeatures(toFeatureList(message).list);
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected features: " << error.what());
+  }
+}
+
 void MapSmootherNode::processWaiting() {
   while (true) {
     try {
@@ -60,7 +74,7 @@ void MapSmootherNode::processWaiting() {
       if (!next) return;
       if (next->scan.stamp_ns + 1000000000 < last_stamp_ns_) {
         ROS_WARN("time jumped back: smoothing starts anew");
-        smoother_ = ram_slam::MapSmoother(parameters_);
+        smoother_ = ram_slam::MapSmoother(parameters_, matchers_.matchers());
         logged_closures_ = optimized_closures_ = 0;
         published_corrections_ = 0;
       }

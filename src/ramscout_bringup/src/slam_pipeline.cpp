@@ -35,6 +35,11 @@ auto readFile(const std::string& folder, const std::string& node, const Read& re
   return read(reader);
 }
 
+ram_slam::FeatureMatchers matchers() {
+  return {{ramscout_feature_detector::kCornerType,
+           std::make_shared<const ramscout_feature_detector::CornerMatcher>()}};
+}
+
 std::vector<MapLandmark> toMapLandmarks(const ram_slam::LandmarkMap& map) {
   std::vector<MapLandmark> landmarks;
   for (const ram_slam::LandmarkEstimate& estimate : map.landmarks) {
@@ -72,11 +77,8 @@ SlamPipeline::SlamPipeline(const SlamParameters& parameters)
       feature_detector_(parameters.feature_detector),
       kinematics_(parameters.kinematics),
       motion_(kinematics_),
-      fast_slam_(parameters.fast_slam,
-                 parameters.recovery,
-                 {{ramscout_feature_detector::kCornerType,
-                   std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}),
-      map_smoother_(parameters.map_smoother) {}
+      fast_slam_(parameters.fast_slam, parameters.recovery, matchers()),
+      map_smoother_(parameters.map_smoother, matchers()) {}
 
 void SlamPipeline::add(const OdometryReading& reading) {
   if (!wheels_.empty() && reading.stamp_ns <= wheels_.back().stamp_ns) {
@@ -147,6 +149,7 @@ Pose2 SlamPipeline::poseNow(std::int64_t stamp_ns) const {
 void SlamPipeline::updateFilter(const ScanReading& reading) {
   const ram_slam::FeatureList features =
       feature_detector_.detect(reading.scan, reading.base_from_laser);
+  if (smooths()) map_smoother_.addFeatures(features);
   const auto view =
       std::make_shared<const ram_slam::LaserView>(reading.scan, reading.base_from_laser);
   const bool was_lost = fast_slam_.lost();

@@ -235,7 +235,8 @@ SearchWindow searchWindow(double path_m, const LoopSearchParameters& parameters)
 std::optional<LoopMatch> verifyLoop(const std::vector<KeyScan>& key_scans,
                                     std::size_t candidate,
                                     std::size_t newest,
-                                    double path_m,
+                                    const Pose2& map_from_laser_guess,
+                                    const SearchWindow& window,
                                     const ScanMatcherParameters& matcher,
                                     const LoopSearchParameters& parameters) {
   const auto [old_first, old_last] = neighbours(candidate, newest, parameters.neighbour_count);
@@ -247,10 +248,8 @@ std::optional<LoopMatch> verifyLoop(const std::vector<KeyScan>& key_scans,
   for (std::size_t i = old_first; i < old_last; ++i) appendPoints(key_scans[i], Pose2{}, 1, place);
   const std::vector<Eigen::Vector2f> query = queryPoints(key_scans, new_first, new_last, newest);
   if (place.empty() || query.empty()) return std::nullopt;
-  const SearchWindow window = searchWindow(path_m, parameters);
   const LikelihoodPyramid pyramid(place, kResolutionM, kDeviationM, kLevels);
-  const auto found =
-      searchPose(pyramid, query, key_scans[newest].map_from_laser, window, parameters.min_score);
+  const auto found = searchPose(pyramid, query, map_from_laser_guess, window, parameters.min_score);
   if (!found) return std::nullopt;
 
   const KeyScan& old_key = key_scans[candidate];

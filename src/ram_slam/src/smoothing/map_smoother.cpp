@@ -14,6 +14,7 @@ namespace {
 constexpr double kViewRangeM = 8.0;       // what lies farther does not say where a scan looks
 constexpr double kMetresPerRadian = 0.5;  // turning counts as path: odometry drifts by it, too
 constexpr double kMinTrust = 0.5;
+constexpr std::size_t kKeptLists = 100;
 // Of the scans between two key scans those are aligned, too, between which so much motion lies.
 constexpr double kBetweenM = 0.05;
 constexpr double kBetweenRad = 0.05;
@@ -49,7 +50,8 @@ Eigen::Matrix3d informationOf(const Pose2& motion, const MapSmootherParameters& 
 
 }  // namespace
 
-MapSmoother::MapSmoother(const MapSmootherParameters& parameters) : parameters_(parameters) {
+MapSmoother::MapSmoother(const MapSmootherParameters& parameters, const FeatureMatchers& matchers)
+    : parameters_(parameters), constellations_(matchers) {
   parameters_.validate();
 }
 
@@ -80,8 +82,28 @@ void MapSmoother::addScan(const LaserScan& scan,
     }
   }
   scans_.push_back({scan.stamp_ns, key_scans_.size() - 1, odom_from_base});
+  if (is_key) useFeatures();
   if (is_key && key_scans_.back().path_m - searched_path_m_ >= parameters_.loop_search_distance_m)
     searchLoops(key_scans_.size() - 1, std::numeric_limits<double>::infinity());
+}
+
+void MapSmoother::addFeatures(const FeatureList& list) {
+  const auto later =
+      std::find_if(features_.begin(), features_.end(),
+                   [&list](const FeatureList& other) { return other.stamp_ns > list.stamp_ns; });
+  features_.insert(later, list);
+  if (features_.size() > kKeptLists) features_.pop_front();
+  useFeatures();
+}
+
+void MapSmoother::useFeatures() {
+  if (key_scans_.empty()) return;
+  const KeyScan& key = key_scans_.back();
+  while (!features_.empty() && features_.front().stamp_ns < key.stamp_ns) features_.pop_front();
+  if (features_.empty() || features_.front().stamp_ns != key.stamp_ns) return;
+  constellations_.add(features_.front(), key_scans_,
+                      odom_from_laser_.back() * key.base_from_laser.inverse());
+  features_.pop_front();
 }
 
 bool MapSmoother::isKeyScan(const Pose2& odom_from_base) const {

@@ -12,7 +12,8 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kClosurePathM = 0.5;  // a closure is as good as so much path
+constexpr double kClosurePathM = 0.5;        // a closure is as good as so much path
+constexpr double kConstellationStepM = 5.0;  // between two searches
 constexpr std::size_t kVerifiedCandidates = 3;
 constexpr double kSolveBeyondM =
     0.1;  // a closure that moves the newest pose by more is solved for at once
@@ -72,36 +73,68 @@ bool MapSmoother::searchLoops(std::size_t newest, double max_path_m) {
   for (const std::size_t candidate : candidates) {
     if (isSettled(candidate, newest)) continue;
     if (is_sweep && wasSearched(candidate, newest, paths_m[candidate])) continue;
-    const auto match = verifyLoop(key_scans_, candidate, newest, paths_m[candidate],
-                                  parameters_.matcher, parameters_.loops);
-    if (!match) {
-      failed_searches_.push_back({candidate, newest, relativePose(candidate, newest),
-                                  searchWindow(paths_m[candidate], parameters_.loops)});
-      continue;
+    const SearchWindow window = searchWindow(paths_m[candidate], parameters_.loops);
+    const Pose2 from_from_to = relativePose(candidate, newest);
+    if (tryClosing(candidate, newest, key_scans_[newest].map_from_laser, window)) {
+      found = true;
+    } else {
+      failed_searches_.push_back({candidate, newest, from_from_to, window});
     }
-    const Pose2 wanted = key_scans_[candidate].map_from_laser * match->edge.from_from_to;
-    const Pose2 correction = key_scans_[newest].map_from_laser.inverse() * wanted;
-    LoopClosure closure;
-    closure.old_stamp_ns = key_scans_[candidate].stamp_ns;
-    closure.new_stamp_ns = key_scans_[newest].stamp_ns;
-    closure.edge = match->edge;
-    closure.edge.information = withFloor(closure.edge.information, parameters_.closure_deviation_m,
-                                         parameters_.closure_deviation_rad);
-    closure.score = match->score;
-    closure.inlier_ratio = match->inlier_ratio;
-    closure.is_ambiguous = match->is_ambiguous;
-    closure.correction_m = correction.translation().norm();
-    closures_.push_back(closure);
-    if (closure.correction_m > kSolveBeyondM || std::abs(correction.yaw_rad) > kSolveBeyondRad) {
-      const Pose2 before = key_scans_[newest].map_from_laser;
-      solveGraph();
-      const Pose2 moved = before.inverse() * key_scans_[newest].map_from_laser;
-      if (moved.translation().norm() > kCorrectionM || std::abs(moved.yaw_rad) > kCorrectionRad)
-        ++correction_count_;
-    }
-    found = true;
   }
-  return found;
+  return found || (!is_sweep && searchConstellation(newest));
+}
+
+bool MapSmoother::searchConstellation(std::size_t newest) {
+  const double path_m = key_scans_[newest].path_m;
+  const double wait_m = parameters_.loop_constellation_path_m;
+  if (wait_m == 0.0 || path_m - closed_path_m_ < wait_m) return false;
+  closed_path_m_ = path_m - wait_m + kConstellationStepM;
+  const auto place = constellations_.findPlace(key_scans_, wait_m);
+  if (!place) return false;
+  const Pose2 map_from_laser = *place * key_scans_[newest].base_from_laser;
+  const Eigen::Vector2d view = map_from_laser * key_scans_[newest].view_centre_in_laser_m;
+  std::size_t candidate = 0;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; key_scans_[i].path_m <= path_m - wait_m; ++i) {
+    const KeyScan& key = key_scans_[i];
+    const double away_m = (key.map_from_laser * key.view_centre_in_laser_m - view).norm();
+    if (away_m >= least_m) continue;
+    candidate = i;
+    least_m = away_m;
+  }
+  return least_m <= parameters_.loops.max_view_distance_m && !isSettled(candidate, newest) &&
+         tryClosing(candidate, newest, map_from_laser, searchWindow(0.0, parameters_.loops));
+}
+
+bool MapSmoother::tryClosing(std::size_t candidate,
+                             std::size_t newest,
+                             const Pose2& map_from_laser_guess,
+                             const SearchWindow& window) {
+  const auto match = verifyLoop(key_scans_, candidate, newest, map_from_laser_guess, window,
+                                parameters_.matcher, parameters_.loops);
+  if (!match) return false;
+  const Pose2 wanted = key_scans_[candidate].map_from_laser * match->edge.from_from_to;
+  const Pose2 correction = key_scans_[newest].map_from_laser.inverse() * wanted;
+  LoopClosure closure;
+  closure.old_stamp_ns = key_scans_[candidate].stamp_ns;
+  closure.new_stamp_ns = key_scans_[newest].stamp_ns;
+  closure.edge = match->edge;
+  closure.edge.information = withFloor(closure.edge.information, parameters_.closure_deviation_m,
+                                       parameters_.closure_deviation_rad);
+  closure.score = match->score;
+  closure.inlier_ratio = match->inlier_ratio;
+  closure.is_ambiguous = match->is_ambiguous;
+  closure.correction_m = correction.translation().norm();
+  closures_.push_back(closure);
+  closed_path_m_ = std::max(closed_path_m_, key_scans_[newest].path_m);
+  if (closure.correction_m > kSolveBeyondM || std::abs(correction.yaw_rad) > kSolveBeyondRad) {
+    const Pose2 before = key_scans_[newest].map_from_laser;
+    solveGraph();
+    const Pose2 moved = before.inverse() * key_scans_[newest].map_from_laser;
+    if (moved.translation().norm() > kCorrectionM || std::abs(moved.yaw_rad) > kCorrectionRad)
+      ++correction_count_;
+  }
+  return true;
 }
 
 std::vector<double> MapSmoother::pathsTo(std::size_t node_sought) const {

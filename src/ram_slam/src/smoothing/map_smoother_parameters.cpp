@@ -16,6 +16,8 @@ void MapSmootherParameters::validate() const {
   requirePositive("key_scan_distance_m", key_scan_distance_m);
   requirePositive("key_scan_angle_rad", key_scan_angle_rad);
   requirePositive("loop_search_distance_m", loop_search_distance_m);
+  ram_parameters::require(loop_constellation_path_m >= 0.0, "loop_constellation_path_m",
+                          loop_constellation_path_m, ">= 0");
   requirePositive("motion_rest_deviation_m", motion_rest_deviation_m);
   requirePositive("motion_rest_deviation_rad", motion_rest_deviation_rad);
   requirePositive("motion_deviation_m_per_m", motion_deviation_m_per_m);
@@ -45,6 +47,7 @@ MapSmootherParameters readMapSmootherParameters(ram_parameters::ParameterReader&
   reader.read("closure_deviation_m", parameters.closure_deviation_m);
   reader.read("closure_deviation_rad", parameters.closure_deviation_rad);
   reader.read("loop_search_distance_m", parameters.loop_search_distance_m);
+  reader.read("loop_constellation_path_m", parameters.loop_constellation_path_m);
   reader.read("loop_min_path_m", parameters.loops.min_path_m);
   reader.read("loop_max_view_distance_m", parameters.loops.max_view_distance_m);
   reader.read("loop_drift_m_per_m", parameters.loops.drift_m_per_m);

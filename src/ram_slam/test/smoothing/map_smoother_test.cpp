@@ -22,16 +22,17 @@ using ::testing::ThrowsMessage;
 const Pose2 kMount{0.1, 0.0, 0.0};
 constexpr double kScaleError = 1.03;
 
-/// A corridor round a block, with niches that no two stretches have alike.
+const std::vector<Eigen::Vector2d> kPillars{{2.2, -1.2}, {4.9, -1.2}, {6.1, 1.0},  {9.4, -1.2},
+                                            {13.2, 1.7}, {13.2, 4.4}, {11.0, 5.9}, {10.1, 9.2},
+                                            {7.7, 9.2},  {5.0, 7.0},  {3.2, 9.2},  {-1.2, 7.4},
+                                            {-1.2, 5.1}, {1.0, 3.3},  {-1.2, 1.4}};
+
+/// A corridor round a block, with pillars so that no two stretches are alike.
 Walls building() {
   Walls walls = rectangle(-1.2, -1.2, 13.2, 9.2) + rectangle(1.0, 1.0, 11.0, 7.0);
-  const std::vector<Eigen::Vector2d> pillars{{2.2, -1.2}, {4.9, -1.2}, {6.1, 1.0},  {9.4, -1.2},
-                                             {13.2, 1.7}, {13.2, 4.4}, {11.0, 5.9}, {10.1, 9.2},
-                                             {7.7, 9.2},  {5.0, 7.0},  {3.2, 9.2},  {-1.2, 7.4},
-                                             {-1.2, 5.1}, {1.0, 3.3},  {-1.2, 1.4}};
-  for (std::size_t i = 0; i < pillars.size(); ++i) {
+  for (std::size_t i = 0; i < kPillars.size(); ++i) {
     const double half_m = 0.15 + 0.02 * static_cast<double>(i);
-    const Eigen::Vector2d& p = pillars[i];
+    const Eigen::Vector2d& p = kPillars[i];
     walls = walls + rectangle(p.x() - half_m, p.y() - half_m, p.x() + half_m, p.y() + half_m);
   }
   return walls;
@@ -106,6 +107,45 @@ TEST(MapSmoother, AlignsTheScansBetweenTwoKeyScans) {
   odometry[0] = truth[0];
   const auto trajectory = smoothed(building(), truth, odometry).trajectory();
   EXPECT_LT(rmsError(trajectory, truth), 0.5 * rmsError(before, truth));
+}
+
+/// The pillars near a robot.
+FeatureList pillarsNear(const Pose2& map_from_base, std::int64_t stamp_ns) {
+  FeatureList list;
+  list.stamp_ns = stamp_ns;
+  for (const Eigen::Vector2d& pillar : kPillars) {
+    Feature feature;
+    feature.type = "pillar";
+    feature.position_m = map_from_base.inverse() * pillar;
+    feature.covariance_m2 = 1e-4 * Eigen::Matrix2d::Identity();
+    if (feature.position_m.norm() < 3.0) list.features.push_back(feature);
+  }
+  return list;
+}
+
+TEST(MapSmoother, RecognisesAPlaceByItsFeaturesWhereverDriftHasBroughtIt) {
+  MapSmootherParameters parameters;
+  parameters.loops.min_path_m = 1e6;  // no place is sought by the poses
+  parameters.loop_constellation_path_m = 20.0;
+  const std::vector<Pose2> truth = rounds(2);
+  const std::vector<Pose2> odometry = drifting(truth);
+  TestLaser laser;
+  laser.range_deviation_m = 0.01;
+  for (const bool with_features : {false, true}) {
+    MapSmoother smoother(parameters);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
+      const LaserScan scan = scanWalls(building(), truth[i] * kMount, stamp_ns, laser);
+      // Before the scan or after it.
+      if (with_features && i % 2 == 0) smoother.addFeatures(pillarsNear(truth[i], stamp_ns));
+      smoother.addScan(scan, kMount, odometry[i]);
+      if (with_features && i % 2 == 1) smoother.addFeatures(pillarsNear(truth[i], stamp_ns));
+    }
+    EXPECT_EQ(smoother.closures().empty(), !with_features);
+    if (with_features) {
+      EXPECT_LT(rmsError(smoother.trajectory(), truth), 0.2);
+    }
+  }
 }
 
 TEST(MapSmoother, CountsTheClosuresThatMoveTheRobotAndNothingElse) {

@@ -56,13 +56,14 @@ std::vector<std::size_t> findLoopCandidates(const std::vector<KeyScan>& key_scan
 /// Where a key scan is searched that may have drifted along so much path.
 SearchWindow searchWindow(double path_m, const LoopSearchParameters& parameters);
 
-/// Matches the key scan `newest` with the place about `candidate`: a dense search over all poses
-/// that the drift allows, an alignment, and the checks of LoopSearchParameters. None if any of them
-/// fails.
+/// Matches the key scan `newest` with the place about `candidate`: a dense search over all poses of
+/// a window about a guess, an alignment, and the checks of LoopSearchParameters. None if any of
+/// them fails.
 std::optional<LoopMatch> verifyLoop(const std::vector<KeyScan>& key_scans,
                                     std::size_t candidate,
                                     std::size_t newest,
-                                    double path_m,
+                                    const Pose2& map_from_laser_guess,
+                                    const SearchWindow& window,
                                     const ScanMatcherParameters& matcher,
                                     const LoopSearchParameters& parameters);
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "ram_slam/pose2.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
+#include "ram_slam/smoothing/constellation_memory.hpp"
 #include "ram_slam/smoothing/joint_refinement.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"
 #include "ram_slam/smoothing/loop_search.hpp"
@@ -31,6 +33,9 @@ struct MapSmootherParameters {
   double key_scan_distance_m = 0.3;     ///< a new key scan after so much motion
   double key_scan_angle_rad = 0.3;      ///< or so much turning
   double loop_search_distance_m = 1.0;  ///< path between two searches for loops
+  /// After so much path without a closure places are recognised by their features, too, wherever
+  /// drift has brought them; 0: never.
+  double loop_constellation_path_m = 100.0;
   /// Standard deviation of the given motion between two key scans, where scans do not tell better.
   double motion_rest_deviation_m = 0.01;
   double motion_rest_deviation_rad = 0.01;
@@ -78,14 +83,21 @@ struct LoopClosure {
 /// optimize() does the rest.
 class MapSmoother {
 public:
+  /// \param matchers  of the features given by addFeatures(), by type; a type without one is
+  /// compared by geometry alone
   /// \throws std::invalid_argument as MapSmootherParameters::validate()
-  explicit MapSmoother(const MapSmootherParameters& parameters);
+  explicit MapSmoother(const MapSmootherParameters& parameters,
+                       const FeatureMatchers& matchers = {});
 
   /// \param odom_from_base  the given trajectory at the scan's stamp; the first one stays where it
   /// is \throws std::invalid_argument, the state untouched, if the scan cannot be used, a pose is
   /// not finite or the stamp
   ///         is not later than that of the scan before
   void addScan(const LaserScan& scan, const Pose2& base_from_laser, const Pose2& odom_from_base);
+
+  /// Features of a scan, given before it or soon after, in the base frame at the scan's stamp;
+  /// those of scans that are no key scans are left out.
+  void addFeatures(const FeatureList& list);
 
   /// Solves the graph of all accepted closures and aligns all key scans with each other.
   void optimize();
@@ -151,6 +163,15 @@ private:
   /// Looks for places that key scan `newest` shares with earlier ones, as if drifted by at most so
   /// much path.
   bool searchLoops(std::size_t newest, double max_path_m);
+  /// The same for the place that the features of late recognise, if there is one.
+  bool searchConstellation(std::size_t newest);
+  /// Verifies a candidate and closes the loop.
+  bool tryClosing(std::size_t candidate,
+                  std::size_t newest,
+                  const Pose2& map_from_laser_guess,
+                  const SearchWindow& window);
+  /// Gives the newest key scan its features if they are known.
+  void useFeatures();
   /// Whether a closure between two key scans, or beside them, was accepted or refused already.
   bool isSettled(std::size_t from, std::size_t to) const;
   /// Whether a search that failed covers this one.
@@ -170,6 +191,9 @@ private:
   std::vector<LoopClosure> closures_;
   std::vector<FailedSearch> failed_searches_;
   double searched_path_m_ = 0.0;
+  double closed_path_m_ = 0.0;  // of the newest key scan with a closure, or constellation search
+  ConstellationMemory constellations_;
+  std::deque<FeatureList> features_;  // of scans of late, in the order of their stamps
   int correction_count_ = 0;
 };
 
