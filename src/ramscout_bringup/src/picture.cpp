@@ -134,6 +134,12 @@ private:
 };
 
 void drawMap(Canvas& canvas, const OccupancyGrid& map) {
+  std::array<cv::Vec3b, 101> colors;  // by occupancy
+  for (std::size_t value = 0; value < colors.size(); ++value) {
+    const cv::Scalar color = kFree + (kOccupied - kFree) * (static_cast<double>(value) / 100.0);
+    for (int channel = 0; channel < 3; ++channel)
+      colors[value][channel] = cv::saturate_cast<unsigned char>(color[channel]);
+  }
   const Pose2 grid_from_map = map.map_from_grid.inverse();
   const Eigen::Matrix2d rotation = grid_from_map.rotation();
   for (int row = 0; row < canvas.mapHeight(); ++row) {
@@ -144,11 +150,8 @@ void drawMap(Canvas& canvas, const OccupancyGrid& map) {
       const std::int8_t value =
           map.at(static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y())));
       if (value == ram_slam::kUnknownCell) continue;
-      const cv::Scalar color = kFree + (kOccupied - kFree) * (value / 100.0);
-      for (int channel = 0; channel < 3; ++channel) {
-        canvas.image().at<cv::Vec3b>(row, column)[channel] =
-            cv::saturate_cast<unsigned char>(color[channel]);
-      }
+      canvas.image().at<cv::Vec3b>(row, column) =
+          colors[static_cast<std::size_t>(std::clamp<int>(value, 0, 100))];
     }
   }
 }

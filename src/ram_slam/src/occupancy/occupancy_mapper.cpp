@@ -12,6 +12,8 @@ namespace ram_slam {
 namespace {
 
 constexpr double kFarthestPoseM = 1e6;
+/// Per beam [m], [rad]: what rounding makes of a laser at rest.
+constexpr double kNegligibleTwist = 1e-9;
 /// A beam clears the cells that it leaves at least this far before its end [cells]: a wall at a
 /// cell's edge is not cleared by the noise of its own hits. Less than half a cell, so that rounding
 /// cannot decide at exactly half.
@@ -216,7 +218,7 @@ std::vector<Beam> OccupancyMapper::beamsOf(const LaserScan& scan,
   const Eigen::Vector2d sensor = map_from_laser.translation() / parameters_.resolution;
   const double last = static_cast<double>(std::max<std::size_t>(scan.ranges_m.size(), 2) - 1);
   const Eigen::Vector3d twist = logarithm(last_beam) / last;  // per beam
-  const bool moves = !twist.isZero(0.0);
+  const bool moves = !twist.isZero(kNegligibleTwist);
   const double nothing_m = std::min<double>(scan.range_max_m, parameters_.clear_max_range_m);
   std::vector<Beam> beams;
   beams.reserve(scan.ranges_m.size());

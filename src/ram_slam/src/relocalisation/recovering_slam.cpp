@@ -9,7 +9,7 @@
 namespace ram_slam {
 namespace {
 
-constexpr std::int64_t kMemoryEveryNs = 1'000'000'000;
+constexpr std::int64_t kMemoryEveryNs = 2'000'000'000;
 constexpr std::int64_t kMemoryAgeNs = 3'000'000'000;  // a copy this old is from before the trouble
 constexpr std::int64_t kViewEveryNs = 90'000'000;
 constexpr std::int64_t kOldestReferenceNs = 1'000'000'000;

@@ -19,6 +19,9 @@ namespace {
 
 using Parameters = std::array<double, 3>;
 
+// Relative change of the cost at which a solution is good enough, the last and those on the way.
+constexpr double kPrecise = 1e-7;
+constexpr double kRough = 1e-4;
 constexpr double kGraduation = 8.0;  // by which the tolerance shrinks from one solution to the next
 
 Eigen::Vector3d edgeError(const PoseEdge& edge, const double* from, const double* to) {
@@ -125,7 +128,8 @@ std::vector<Parameters> toParameters(const std::vector<Pose2>& poses) {
 std::vector<Pose2> solve(const std::vector<PoseEdge>& edges,
                          const std::vector<Pose2>& map_from_node,
                          double tolerance_chi2,
-                         int max_iterations) {
+                         int max_iterations,
+                         double function_tolerance) {
   std::vector<Parameters> poses = toParameters(map_from_node);
   ceres::Problem problem;
   for (const PoseEdge& edge : edges) {
@@ -143,7 +147,7 @@ std::vector<Pose2> solve(const std::vector<PoseEdge>& edges,
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.max_num_iterations = max_iterations;
   options.num_threads = 1;
-  options.function_tolerance = 1e-7;
+  options.function_tolerance = function_tolerance;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
@@ -184,9 +188,10 @@ PoseGraphSolution solvePoseGraph(const PoseGraph& graph, const PoseGraphParamete
       tolerance_chi2 = std::max(tolerance_chi2, edgeChi2(edge, graph.map_from_node));
   }
   while (true) {
-    solution.map_from_node =
-        solve(graph.edges, solution.map_from_node, tolerance_chi2, parameters.max_iterations);
-    if (tolerance_chi2 <= parameters.closure_tolerance_chi2) break;
+    const bool is_last = tolerance_chi2 <= parameters.closure_tolerance_chi2;
+    solution.map_from_node = solve(graph.edges, solution.map_from_node, tolerance_chi2,
+                                   parameters.max_iterations, is_last ? kPrecise : kRough);
+    if (is_last) break;
     double largest_chi2 = 0.0;
     for (const PoseEdge& edge : graph.edges) {
       if (edge.may_be_false)
