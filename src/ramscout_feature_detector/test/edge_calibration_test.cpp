@@ -35,15 +35,6 @@ EdgeDetectorParameters forNoise(double noise_m) {
   return parameters;
 }
 
-/// A wall 3 m ahead with a door of 1 m, and another wall 3 m behind it.
-PolygonWorld door() {
-  PolygonWorld world;
-  world.add({{3.0, -6.0}, {3.0, -0.5}}, false);
-  world.add({{3.0, 0.5}, {3.0, 6.0}}, false);
-  world.add({{6.0, -20.0}, {6.0, 20.0}}, false);
-  return world;
-}
-
 TEST(EdgeDetector, CovariancesOfEndsMeanWhatTheySay) {
   for (const double noise_m : {0.01, 0.02}) {
     const EdgeDetector detector(forNoise(noise_m));

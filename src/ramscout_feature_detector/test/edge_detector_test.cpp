@@ -18,15 +18,6 @@ namespace {
 
 constexpr double kNoiseM = 0.01;
 
-/// A wall 3 m ahead with a door of 1 m, and another wall 3 m behind it.
-PolygonWorld door() {
-  PolygonWorld world;
-  world.add({{3.0, -6.0}, {3.0, -0.5}}, false);
-  world.add({{3.0, 0.5}, {3.0, 6.0}}, false);
-  world.add({{6.0, -20.0}, {6.0, 20.0}}, false);
-  return world;
-}
-
 MATCHER_P3(IsAt, kind, x_m, y_m, "") {
   return arg.kind == kind && (arg.position_m - Eigen::Vector2d(x_m, y_m)).norm() < 0.05;
 }

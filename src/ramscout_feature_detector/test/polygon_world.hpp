@@ -81,4 +81,13 @@ struct PolygonWorld {
   }
 };
 
+/// A wall 3 m ahead with a door of 1 m, and another wall 3 m behind it.
+inline PolygonWorld door() {
+  PolygonWorld world;
+  world.add({{3.0, -6.0}, {3.0, -0.5}}, false);
+  world.add({{3.0, 0.5}, {3.0, 6.0}}, false);
+  world.add({{6.0, -20.0}, {6.0, 20.0}}, false);
+  return world;
+}
+
 }  // namespace ramscout_feature_detector
