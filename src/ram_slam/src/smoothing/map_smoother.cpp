@@ -32,6 +32,11 @@ Eigen::Vector2d viewCentre(const SurfaceScan& surfaces) {
   return count > 0.0 ? Eigen::Vector2d(sum / count) : sum;
 }
 
+/// The given pose of the base at a key scan.
+Pose2 odomFromBase(const Pose2& odom_from_laser, const KeyScan& key) {
+  return odom_from_laser * key.base_from_laser.inverse();
+}
+
 bool isFarther(const Pose2& motion, double distance_m, double angle_rad) {
   return motion.translation().norm() >= distance_m || std::abs(motion.yaw_rad) >= angle_rad;
 }
@@ -88,6 +93,7 @@ void MapSmoother::addScan(const LaserScan& scan,
 }
 
 void MapSmoother::addFeatures(const FeatureList& list) {
+  if (parameters_.loop_constellation_path_m == 0.0) return;  // nobody will ask for them
   const auto later =
       std::find_if(features_.begin(), features_.end(),
                    [&list](const FeatureList& other) { return other.stamp_ns > list.stamp_ns; });
@@ -101,21 +107,20 @@ void MapSmoother::useFeatures() {
   const KeyScan& key = key_scans_.back();
   while (!features_.empty() && features_.front().stamp_ns < key.stamp_ns) features_.pop_front();
   if (features_.empty() || features_.front().stamp_ns != key.stamp_ns) return;
-  constellations_.add(features_.front(), key_scans_,
-                      odom_from_laser_.back() * key.base_from_laser.inverse());
+  constellations_.add(features_.front(), key_scans_, odomFromBase(odom_from_laser_.back(), key));
   features_.pop_front();
 }
 
 bool MapSmoother::isKeyScan(const Pose2& odom_from_base) const {
-  const Pose2 odom_from_key = odom_from_laser_.back() * key_scans_.back().base_from_laser.inverse();
+  const Pose2 odom_from_key = odomFromBase(odom_from_laser_.back(), key_scans_.back());
   return isFarther(odom_from_key.inverse() * odom_from_base, parameters_.key_scan_distance_m,
                    parameters_.key_scan_angle_rad);
 }
 
 bool MapSmoother::isBetweenScan(const Pose2& odom_from_base) const {
-  const Pose2 odom_from_last =
-      between_scans_.empty() ? odom_from_laser_.back() * key_scans_.back().base_from_laser.inverse()
-                             : scans_[between_scans_.back().record].odom_from_base;
+  const Pose2 odom_from_last = between_scans_.empty()
+                                   ? odomFromBase(odom_from_laser_.back(), key_scans_.back())
+                                   : scans_[between_scans_.back().record].odom_from_base;
   return isFarther(odom_from_last.inverse() * odom_from_base, kBetweenM, kBetweenRad);
 }
 
