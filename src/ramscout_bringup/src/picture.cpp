@@ -141,14 +141,16 @@ void drawMap(Canvas& canvas, const OccupancyGrid& map) {
       colors[value][channel] = cv::saturate_cast<unsigned char>(color[channel]);
   }
   const Pose2 grid_from_map = map.map_from_grid.inverse();
-  const Eigen::Matrix2d rotation = grid_from_map.rotation();
+  const Eigen::Matrix2d cells_per_m = grid_from_map.rotation() / map.resolution_m;
+  const Eigen::Vector2d origin = grid_from_map.translation() / map.resolution_m;
+  const Eigen::Vector2d cells_per_column =
+      cells_per_m * (canvas.pointAt(1, 0) - canvas.pointAt(0, 0));
   for (int row = 0; row < canvas.mapHeight(); ++row) {
+    const Eigen::Vector2d first_cell = cells_per_m * canvas.pointAt(0, row) + origin;
     for (int column = 0; column < canvas.image().cols; ++column) {
-      const Eigen::Vector2d point_m =
-          rotation * canvas.pointAt(column, row) + grid_from_map.translation();
-      const Eigen::Vector2d cell = point_m / map.resolution_m;
-      const std::int8_t value =
-          map.at(static_cast<int>(std::floor(cell.x())), static_cast<int>(std::floor(cell.y())));
+      const Eigen::Vector2d cell = first_cell + column * cells_per_column;
+      if (cell.minCoeff() < 0.0) continue;
+      const std::int8_t value = map.at(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
       if (value == ram_slam::kUnknownCell) continue;
       canvas.image().at<cv::Vec3b>(row, column) =
           colors[static_cast<std::size_t>(std::clamp<int>(value, 0, 100))];

@@ -41,6 +41,7 @@ const std::vector<Eigen::Vector2d>& FieldOfView::surface_m() const {
 
 LaserView::LaserView(const LaserScan& scan, const Pose2& base_from_laser)
     : scan_(scan),
+      finder_(scan.angle_min_rad, scan.angle_increment_rad, scan.ranges_m.size()),
       base_from_laser_rotation_(base_from_laser.rotation()),
       base_from_laser_m_(base_from_laser.translation()) {
   scan_.validate();
@@ -62,13 +63,8 @@ Sight LaserView::look(const Eigen::Vector2d& point_in_base_m) const {
   if (range_m < scan_.range_min_m || range_m > scan_.range_max_m - kMarginAtMaximumRange_m) {
     return Sight::kHidden;
   }
-  const double middle_rad =
-      scan_.angle_min_rad +
-      0.5 * scan_.angle_increment_rad * static_cast<double>(scan_.ranges_m.size() - 1);
-  const double from_middle_rad = wrapAngle(std::atan2(point.y(), point.x()) - middle_rad);
-  const double exact_beam =
-      (middle_rad + from_middle_rad - scan_.angle_min_rad) / scan_.angle_increment_rad;
-  const int beam = static_cast<int>(std::lround(exact_beam));
+  const int beam =
+      finder_.beamTowards(static_cast<float>(point.x()), static_cast<float>(point.y()));
   if (beam < kBeamsBeside || beam + kBeamsBeside >= static_cast<int>(scan_.ranges_m.size())) {
     return Sight::kHidden;
   }

@@ -57,12 +57,17 @@ void LostDetector::add(const FeatureList& list,
                        double confirm_log_odds,
                        double path_m) {
   const Pose2& map_from_base = particle.proposal.pose;
-  const Pose2 base_from_map = map_from_base.inverse();
+  const Eigen::Matrix2d base_from_map = map_from_base.rotation().transpose();
+  double reach_m = view == nullptr ? 0.0 : view->range_m();
+  for (const Feature& feature : list.features)
+    reach_m = std::max(reach_m, feature.position_m.norm() + parameters_.match_distance);
   std::vector<bool> explained(list.features.size(), false);
   particle.landmarks.forEach([&](LandmarkId id, const Landmark& landmark) {
+    const Eigen::Vector2d expected_m =
+        base_from_map * (landmark.mean_m - map_from_base.translation());
+    if (expected_m.squaredNorm() > reach_m * reach_m) return;
     const LandmarkRecord* record = registry.find(id);
     if (record == nullptr) return;
-    const Eigen::Vector2d expected_m = base_from_map * landmark.mean_m;
     bool found = false;
     for (std::size_t i = 0; i < list.features.size(); ++i) {
       const Feature& feature = list.features[i];

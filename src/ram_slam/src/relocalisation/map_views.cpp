@@ -48,9 +48,10 @@ void MapViews::add(std::int64_t stamp_ns,
                    std::shared_ptr<const FieldOfView> view) {
   if (view == nullptr) return;
   const bool known = std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
-    const Pose2 away = place.map_from_base.inverse() * map_from_base;
-    return away.translation().squaredNorm() < kSamePlace_m * kSamePlace_m &&
-           std::abs(away.yaw_rad) < kSamePlace_rad;
+    const Eigen::Vector2d away_m = place.map_from_base.translation() - map_from_base.translation();
+    return away_m.squaredNorm() < kSamePlace_m * kSamePlace_m &&
+           std::abs(wrapAngle(map_from_base.yaw_rad - place.map_from_base.yaw_rad)) <
+               kSamePlace_rad;
   });
   if (known) return;
   places_.push_back({stamp_ns, map_from_base, std::move(view), path_m});

@@ -38,6 +38,10 @@ float squaredDistance(const SurfacePoint& a, const SurfacePoint& b) {
   return dx * dx + dy * dy;
 }
 
+Eigen::Isometry2d toIsometry(const Pose2& pose) {
+  return Eigen::Translation2d(pose.translation()) * Eigen::Rotation2Dd(pose.yaw_rad);
+}
+
 /// The neighbours of a point, itself included, as far as they follow each other without a gap.
 Sums sumNeighbours(const std::vector<SurfacePoint>& ends,
                    std::size_t index,
@@ -66,16 +70,20 @@ SurfacePoint fitLine(const SurfacePoint& end, const Sums& sums, double max_devia
   const double xx = sums.xx / sums.count - mean_x * mean_x;
   const double xy = sums.xy / sums.count - mean_x * mean_y;
   const double yy = sums.yy / sums.count - mean_y * mean_y;
-  const double half_difference = std::hypot(0.5 * (xx - yy), xy);
+  const double half_difference = std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
   const double along = 0.5 * (xx + yy) + half_difference;
   const double across = std::max(0.0, 0.5 * (xx + yy) - half_difference);
   const bool is_line = across <= max_deviation_m * max_deviation_m &&
                        along >= kMinElongation * kMinElongation * across;
   if (!is_line || along <= 0.0) return end;
 
-  const double direction_rad = 0.5 * std::atan2(2.0 * xy, xx - yy);
-  double normal_x = -std::sin(direction_rad);
-  double normal_y = std::cos(direction_rad);
+  // The line's direction has half the angle of (xx - yy, 2 xy).
+  const double cosine = 0.5 * (xx - yy) / half_difference;
+  const double sine = xy / half_difference;
+  const double larger = std::sqrt(0.5 * (1.0 + std::abs(cosine)));
+  const double smaller = 0.5 * sine / larger;
+  double normal_x = cosine >= 0.0 ? -smaller : -larger;
+  double normal_y = cosine >= 0.0 ? larger : smaller;
   if (normal_x * end.x_m + normal_y * end.y_m > 0.0) {
     normal_x = -normal_x;
     normal_y = -normal_y;
@@ -105,7 +113,6 @@ SurfaceScan extractSurfaces(const LaserScan& scan,
   scan.validate();
   const double last = static_cast<double>(std::max<std::size_t>(scan.ranges_m.size(), 2) - 1);
   const Eigen::Vector3d twist = logarithm(last_beam) / last;  // per beam
-  const bool moves = !twist.isZero(0.0);
   SurfaceScan surfaces;
   surfaces.angle_min_rad = scan.angle_min_rad;
   surfaces.angle_increment_rad = scan.angle_increment_rad + twist.z();
@@ -115,12 +122,15 @@ SurfaceScan extractSurfaces(const LaserScan& scan,
   ends.reserve(scan.ranges_m.size());
   max_gaps_m.reserve(scan.ranges_m.size());
   const auto beam_gap = kMaxGapInBeams * static_cast<float>(std::abs(scan.angle_increment_rad));
+  const Eigen::Isometry2d moved = toIsometry(exponential(twist));
+  const Eigen::Rotation2Dd turned(scan.angle_increment_rad);
+  Eigen::Isometry2d first_from_beam(Eigen::Rotation2Dd(scan.angle_min_rad));
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    if (beam > 0) first_from_beam = moved * first_from_beam * turned;
     surfaces.point_of_beam.push_back(static_cast<std::int32_t>(ends.size()));
     if (scan.at(beam) != Return::kHit || scan.ranges_m[beam] > parameters.max_range_m) continue;
-    Eigen::Vector2d end_m = scan.end_m(beam);
-    if (moves) end_m = exponential(static_cast<double>(beam) * twist) * end_m;
-    const Eigen::Vector2f end = end_m.cast<float>();
+    const Eigen::Vector2f end =
+        (first_from_beam * Eigen::Vector2d(scan.ranges_m[beam], 0.0)).cast<float>();
     ends.push_back({end.x(), end.y(), 0.0F, 0.0F});
     max_gaps_m.push_back(
         std::max(static_cast<float>(parameters.max_gap_m), beam_gap * scan.ranges_m[beam]));

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "ram_slam/beam_finder.hpp"
 #include "ram_slam/laser_scan.hpp"
 #include "ram_slam/pose2.hpp"
 
@@ -51,6 +52,7 @@ public:
 
 private:
   LaserScan scan_;
+  BeamFinder finder_;
   Eigen::Matrix2d base_from_laser_rotation_;
   Eigen::Vector2d base_from_laser_m_;
   std::vector<Eigen::Vector2d> surface_m_;
