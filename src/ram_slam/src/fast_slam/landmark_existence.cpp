@@ -16,7 +16,7 @@ constexpr int kWitnesses = 10;    // particles that are asked whether a landmark
 constexpr double kAside_m = 0.1;  // beside an edge a view goes past it: so far it must be empty
 
 /// What the view says about a point that is known to some centimetres.
-Sight lookAround(const FieldOfView& view, const Eigen::Vector2d& point_in_base_m) {
+Sight lookBeside(const FieldOfView& view, const Eigen::Vector2d& point_in_base_m) {
   const Sight sight = view.look(point_in_base_m);
   const double range_m = point_in_base_m.norm();
   if (sight != Sight::kEmpty || range_m <= kAside_m) return sight;
@@ -89,7 +89,7 @@ FastSlam::Doubt FastSlam::doubtOf(const LandmarkRecord& record,
     held_count += witness.count;
     const Eigen::Vector2d from_robot_m =
         landmark->mean_m - witness.particle->map_from_base.translation();
-    const Sight sight = lookAround(view, witness.base_from_map * from_robot_m);
+    const Sight sight = lookBeside(view, witness.base_from_map * from_robot_m);
     if (sight == Sight::kEmpty) {
       sum.passed += witness.count * kPassedLogOdds;
     } else if (sight == Sight::kVisible && knownFrom(record, -from_robot_m)) {

@@ -11,20 +11,6 @@ namespace {
 
 constexpr std::int64_t kMemoryEveryNs = 2'000'000'000;
 constexpr std::int64_t kMemoryAgeNs = 3'000'000'000;  // a copy this old is from before the trouble
-constexpr std::int64_t kViewEveryNs = 90'000'000;
-constexpr std::int64_t kOldestReferenceNs = 1'000'000'000;
-constexpr std::int64_t kNewestReferenceNs = 450'000'000;
-constexpr std::int64_t kContradictingForNs = 200'000'000;
-// A smaller contradiction makes suspicious: then less evidence from the map is needed for a while.
-constexpr double kSuspicious = 0.25;
-// That much is enough if it came from one view to the next: people need longer to change as much.
-constexpr double kSharp = 0.5;
-constexpr std::int64_t kSuspiciousForNs = 2'000'000'000;
-// A disturbance, not a kidnapping: before the robot has moved on everything looks as before.
-constexpr double kAgreeingShare = 0.03;
-constexpr std::int64_t kAgreeingForNs = 300'000'000;
-constexpr double kFalseAlarmWithin_m = 1.0;
-constexpr double kFalseAlarmWithin_rad = 0.5;
 // A motion less certain than this says nothing about whether two views belong together.
 constexpr double kComparableSigma_m = 0.1;
 constexpr double kComparableSigma_rad = 0.05;
@@ -109,6 +95,7 @@ RecoveringSlam::RecoveringSlam(const FastSlamParameters& filter,
       parameters_((recovery.validate(), recovery)),
       matchers_(std::move(matchers)),
       filter_(filter, matchers_),
+      discontinuities_(recovery.lost.discontinuity),
       detector_(recovery.lost),
       local_(recovery.local, matchers_) {}
 
@@ -140,64 +127,28 @@ void RecoveringSlam::update(const FeatureList& features,
   local_from_base_ = local_from_base_ * moved.pose;
   path_m_ += moved.pose.translation().norm();
   if (on_probation_) probation_left_m_ -= moved.pose.translation().norm();
-  const View now{stamp_ns_, local_from_base_, std::move(view)};
+  const TrackedView now{stamp_ns_, local_from_base_, std::move(view)};
   // What was learned since the last certain moment proves nothing: a wrong pose agrees with itself.
   const FastSlam& known = memories_.empty() ? filter_ : memories_.front().filter;
   detector_.add(list, now.view.get(), filter_.best(), known.registry(),
                 filter_parameters_.confirm_log_odds, path_m_);
   agreement_ = detector_.agreement();
-  if (isDiscontinuous(now)) {
+  const DiscontinuityDetector::Finding finding = discontinuities_.compare(now);
+  if (finding == DiscontinuityDetector::Finding::kSuspicious)
+    detector_.clear();  // only what comes now counts
+  if (finding == DiscontinuityDetector::Finding::kCarriedAway) {
     loseTrack(LostReason::kDiscontinuity);
   } else if (contradictsMap(now) ||
-             (detector_.lost(stamp_ns_ <= suspicious_until_ns_) && !agreesWithMap(now))) {
+             (detector_.lost(discontinuities_.suspicious(stamp_ns_)) && !agreesWithMap(now))) {
     loseTrack(LostReason::kMapContradicts);
   } else {
     remember();
     if (!on_probation_) map_views_.add(stamp_ns_, filter_.estimate().pose, path_m_, now.view);
-    addView(now);
+    discontinuities_.add(now);
   }
 }
 
-bool RecoveringSlam::isDiscontinuous(const View& now) {
-  if (now.view == nullptr) return false;
-  const std::optional<double> share = discontinuityOfLate(now);
-  if (!share || *share <= kSuspicious * parameters_.lost.discontinuity) {
-    contradicting_since_ns_ = 0;
-    return false;
-  }
-  if (contradicting_since_ns_ == 0) {
-    contradicting_since_ns_ = now.stamp_ns;
-    contradicts_at_once_ = contradictsViewBefore(now);
-  }
-  if (now.stamp_ns < contradicting_since_ns_ + kContradictingForNs) return false;
-  if (*share > (contradicts_at_once_ ? kSharp : 1.0) * parameters_.lost.discontinuity) return true;
-  if (now.stamp_ns > suspicious_until_ns_) detector_.clear();  // only what comes now counts
-  suspicious_until_ns_ = now.stamp_ns + kSuspiciousForNs;
-  return false;
-}
-
-bool RecoveringSlam::contradictsViewBefore(const View& now) const {
-  if (views_.empty()) return false;
-  const View& before = views_.back();
-  const auto share = discontinuity(*before.view, *now.view,
-                                   before.local_from_base.inverse() * now.local_from_base);
-  return share && *share > kSharp * parameters_.lost.discontinuity;
-}
-
-std::optional<double> RecoveringSlam::discontinuityOfLate(const View& now) const {
-  std::optional<double> least;
-  for (const View& then : views_) {
-    if (then.stamp_ns > now.stamp_ns - kNewestReferenceNs) break;
-    if (then.stamp_ns < now.stamp_ns - kOldestReferenceNs) continue;
-    const auto share =
-        discontinuity(*then.view, *now.view, then.local_from_base.inverse() * now.local_from_base);
-    if (share) least = std::min(*share, least.value_or(1.0));
-    if (least && *least <= kSuspicious * parameters_.lost.discontinuity) break;
-  }
-  return least;
-}
-
-bool RecoveringSlam::contradictsMap(const View& now) {
+bool RecoveringSlam::contradictsMap(const TrackedView& now) {
   if (now.view == nullptr || now.stamp_ns < doubted_ns_ + kDoubtEveryNs) return false;
   const double since_s =
       std::min(static_cast<double>(now.stamp_ns - doubted_ns_) * 1e-9, kLongestDoubt_s);
@@ -217,29 +168,21 @@ double RecoveringSlam::usualContradiction() const {
   return (on_probation_ ? 1.0 : kTrust) * parameters_.lost.contradiction;
 }
 
-bool RecoveringSlam::agreesWithMap(const View& now) const {
+bool RecoveringSlam::agreesWithMap(const TrackedView& now) const {
   if (now.view == nullptr) return false;
   const auto share = map_views_.contradiction(*now.view, filter_.estimate().pose);
   return share && *share < usualContradiction();
 }
 
-bool RecoveringSlam::isDrift(const View& now) const {
+bool RecoveringSlam::isDrift(const TrackedView& now) const {
   std::vector<LocalConstellation::PlacedView> views{{{}, now.view}};
-  for (const View& view : views_)
+  for (const TrackedView& view : discontinuities_.views())
     views.push_back({now.local_from_base.inverse() * view.local_from_base, view.view});
   const Pose2& here = filter_.estimate().pose;
   const Pose2 better = map_views_.refined(views, here);
   const Pose2 away = here.inverse() * better;
   return away.translation().norm() < kMostDrift_m && std::abs(away.yaw_rad) < kMostDrift_rad &&
          map_views_.judge(views, better).contradiction < 0.5 * parameters_.lost.contradiction;
-}
-
-void RecoveringSlam::addView(View view) {
-  if (view.view == nullptr) return;
-  if (!views_.empty() && view.stamp_ns < views_.back().stamp_ns + kViewEveryNs) return;
-  while (!views_.empty() && views_.front().stamp_ns < view.stamp_ns - kOldestReferenceNs)
-    views_.pop_front();
-  views_.push_back(std::move(view));
 }
 
 void RecoveringSlam::remember() {
@@ -269,14 +212,14 @@ void RecoveringSlam::loseTrack(LostReason reason) {
   memories_.clear();
   on_probation_ = false;
   map_views_.follow(filter_.trajectory());
-  last_good_view_.reset();
-  if (reason == LostReason::kDiscontinuity && !views_.empty()) last_good_view_ = views_.front();
-  views_.clear();
-  contradicting_since_ns_ = 0;
-  suspicious_until_ns_ = 0;
+  std::optional<TrackedView> before;
+  if (reason == LostReason::kDiscontinuity && !discontinuities_.views().empty())
+    before = discontinuities_.views().front();
+  disturbance_.start(before, stamp_ns_);
+  discontinuities_.clear();
   doubt_s_ = 0.0;
   detector_.clear();
-  agreeing_since_ns_ = stamp_ns_;
+  walls_agree_since_ns_ = stamp_ns_;
   local_.clear();
   next_try_m_ = kTryEvery_m;
   found_.reset();
@@ -284,17 +227,17 @@ void RecoveringSlam::loseTrack(LostReason reason) {
 
 void RecoveringSlam::search(const FeatureList& list,
                             const PoseWithCovariance2& moved,
-                            const View& now) {
+                            const TrackedView& now) {
   dead_reckoned_.pose = dead_reckoned_.pose * moved.pose;
   if (!isCertain(moved)) {  // what was seen before does not belong to what is seen now
     local_.clear();
     next_try_m_ = kTryEvery_m;
     found_.reset();
-    last_good_view_.reset();
+    disturbance_.stop();
     may_be_false_alarm_ = false;
   }
   local_.add(list, moved.pose, now.view);
-  if (isFalseAlarm(now)) {
+  if (disturbance_.isOver(now)) {
     resumeByOdometry(kResumeSigma_m, kResumeSigma_rad);
     on_probation_ = false;  // it never was elsewhere
     return;
@@ -310,25 +253,12 @@ void RecoveringSlam::resumeByOdometry(double sigma_m, double sigma_rad) {
   resume(pose);
 }
 
-bool RecoveringSlam::odometryIsRight(const View& now) {
+bool RecoveringSlam::odometryIsRight(const TrackedView& now) {
   if (local_.distance_m() >= kGiveUp_m) return true;
   if (now.view == nullptr) return false;
   const auto share = map_views_.contradiction(*now.view, dead_reckoned_.pose);
-  if (!share || *share > parameters_.lost.contradiction) agreeing_since_ns_ = now.stamp_ns;
-  return now.stamp_ns >= agreeing_since_ns_ + kWallsAgreeForNs;
-}
-
-bool RecoveringSlam::isFalseAlarm(const View& now) {
-  if (!last_good_view_ || now.view == nullptr) return false;
-  const Pose2 moved = last_good_view_->local_from_base.inverse() * now.local_from_base;
-  if (moved.translation().norm() > kFalseAlarmWithin_m ||
-      std::abs(moved.yaw_rad) > kFalseAlarmWithin_rad) {
-    last_good_view_.reset();
-    return false;
-  }
-  const auto share = discontinuity(*last_good_view_->view, *now.view, moved);
-  if (!share || *share > kAgreeingShare) agreeing_since_ns_ = now.stamp_ns;
-  return now.stamp_ns >= agreeing_since_ns_ + kAgreeingForNs;
+  if (!share || *share > parameters_.lost.contradiction) walls_agree_since_ns_ = now.stamp_ns;
+  return now.stamp_ns >= walls_agree_since_ns_ + kWallsAgreeForNs;
 }
 
 void RecoveringSlam::tryToRecover() {
@@ -376,12 +306,11 @@ void RecoveringSlam::resume(const PoseWithCovariance2& map_from_base) {
   on_probation_ = true;
   probation_left_m_ = kProbation_m;
   reason_ = LostReason::kTracking;
-  last_good_view_.reset();
+  disturbance_.stop();
   local_.clear();
   detector_.clear();
   detector_.trustMap(path_m_);
-  views_.clear();
-  contradicting_since_ns_ = 0;
+  discontinuities_.clear();
   doubt_s_ = 0.0;
   found_.reset();
 }

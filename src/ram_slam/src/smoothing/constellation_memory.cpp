@@ -16,10 +16,6 @@ ConstellationParameters parametersOfSearch() {
   return parameters;
 }
 
-Pose2 mapFromBase(const KeyScan& key) {
-  return key.map_from_laser * key.base_from_laser.inverse();
-}
-
 }  // namespace
 
 ConstellationMemory::ConstellationMemory(const FeatureMatchers& matchers)
@@ -41,7 +37,7 @@ std::optional<Pose2> ConstellationMemory::findPlace(const std::vector<KeyScan>& 
   Constellation map;
   for (const Stretch& stretch : stretches_) {
     if (keys[stretch.key].path_m > keys.back().path_m - min_path_m) break;
-    const Pose2 map_from_base = mapFromBase(keys[stretch.key]);
+    const Pose2 map_from_base = keys[stretch.key].map_from_base();
     const Eigen::Matrix2d rotation = map_from_base.rotation();
     for (ConstellationPoint point : stretch.points) {
       point.position_m = map_from_base * point.position_m;

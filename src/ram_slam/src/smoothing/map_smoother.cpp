@@ -290,9 +290,8 @@ void MapSmoother::acceptClosure(std::size_t index) {
 
 PoseGraph MapSmoother::graph() const {
   PoseGraph graph = laserGraph();
-  for (std::size_t i = 0; i < key_scans_.size(); ++i) {
-    graph.map_from_node[i] = key_scans_[i].map_from_laser * key_scans_[i].base_from_laser.inverse();
-  }
+  for (std::size_t i = 0; i < key_scans_.size(); ++i)
+    graph.map_from_node[i] = key_scans_[i].map_from_base();
   for (PoseEdge& edge : graph.edges) {
     edge.from_from_to = key_scans_[edge.from].base_from_laser * edge.from_from_to *
                         key_scans_[edge.to].base_from_laser.inverse();

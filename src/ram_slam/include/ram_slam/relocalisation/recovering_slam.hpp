@@ -9,6 +9,7 @@
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/fast_slam/fast_slam.hpp"
 #include "ram_slam/relocalisation/constellation.hpp"
+#include "ram_slam/relocalisation/discontinuity_detector.hpp"
 #include "ram_slam/relocalisation/local_constellation.hpp"
 #include "ram_slam/relocalisation/lost_detector.hpp"
 #include "ram_slam/relocalisation/map_views.hpp"
@@ -95,32 +96,17 @@ private:
     Pose2 local_from_base;
     std::int64_t stamp_ns = 0;
   };
-  /// A view, and where the robot was then.
-  struct View {
-    std::int64_t stamp_ns = 0;
-    Pose2 local_from_base;
-    std::shared_ptr<const FieldOfView> view;
-  };
-
-  void search(const FeatureList& list, const PoseWithCovariance2& moved, const View& now);
-  /// Whether this view and one a little older show different places.
-  bool isDiscontinuous(const View& now);
-  /// The least share of contradiction between this view and those somewhat older: one scan that was
-  /// placed wrongly contradicts all others, which says nothing about where the robot is now.
-  std::optional<double> discontinuityOfLate(const View& now) const;
-  /// Whether this view contradicts the one right before it, which people seldom bring about.
-  bool contradictsViewBefore(const View& now) const;
-  bool isFalseAlarm(const View& now);
+  void search(const FeatureList& list, const PoseWithCovariance2& moved, const TrackedView& now);
   /// Whether a robot that the map contradicts is where its odometry leads, after all.
-  bool odometryIsRight(const View& now);
+  bool odometryIsRight(const TrackedView& now);
   /// Whether views of late contradict those that the map was learned from.
-  bool contradictsMap(const View& now);
+  bool contradictsMap(const TrackedView& now);
   /// The share of contradiction that says nothing.
   double usualContradiction() const;
   /// Whether this view is as the map's are: then landmarks that are not there were moved.
-  bool agreesWithMap(const View& now) const;
+  bool agreesWithMap(const TrackedView& now) const;
   /// Whether a pose nearby would agree with the views of late.
-  bool isDrift(const View& now) const;
+  bool isDrift(const TrackedView& now) const;
   void remember();
   /// Back to the map as it was before.
   void loseTrack(LostReason reason);
@@ -129,7 +115,6 @@ private:
   void resumeByOdometry(double sigma_m, double sigma_rad);
   void tryToRecover();
   Constellation mapConstellation() const;
-  void addView(View view);
 
   FastSlamParameters filter_parameters_;
   RecoveryParameters parameters_;
@@ -138,6 +123,8 @@ private:
   std::int64_t stamp_ns_ = 0;
   LostReason reason_ = LostReason::kTracking;
   MapAgreement agreement_;
+  DiscontinuityDetector discontinuities_;
+  DisturbanceDetector disturbance_;  ///< while lost
   LostDetector detector_;
   LocalConstellation local_;
   Pose2 local_from_base_;  ///< by odometry, since the start
@@ -147,16 +134,11 @@ private:
   bool on_probation_ = false;    ///< the place is newly found: memories_ is from before
   double probation_left_m_ = 0.0;
   MapViews map_views_;
-  std::deque<View> views_;                   ///< of the last second, oldest first
-  std::optional<View> last_good_view_;       ///< from before the robot was lost
-  std::int64_t contradicting_since_ns_ = 0;  ///< 0: the views of late agree
-  bool contradicts_at_once_ = false;         ///< from one view to the next
-  std::int64_t suspicious_until_ns_ = 0;
-  std::int64_t agreeing_since_ns_ = 0;  ///< with the view from before
-  std::int64_t doubted_ns_ = 0;         ///< when a view was compared with the map's last
-  double doubt_s_ = 0.0;                ///< how much such views have contradicted of late
-  PoseWithCovariance2 dead_reckoned_;   ///< while lost
-  bool may_be_false_alarm_ = false;     ///< then the robot is where odometry leads
+  std::int64_t walls_agree_since_ns_ = 0;  ///< while lost, where odometry leads
+  std::int64_t doubted_ns_ = 0;            ///< when a view was compared with the map's last
+  double doubt_s_ = 0.0;                   ///< how much such views have contradicted of late
+  PoseWithCovariance2 dead_reckoned_;      ///< while lost
+  bool may_be_false_alarm_ = false;        ///< then the robot is where odometry leads
   double next_try_m_ = 0.0;
   std::optional<Pose2> found_;  ///< local frame in the map, as the last try found it
 };

@@ -19,6 +19,8 @@ struct KeyScan {
   double path_m = 0.0;  ///< driven up to here, turning counted in
   Eigen::Vector2d view_centre_in_laser_m =
       Eigen::Vector2d::Zero();  ///< middle of what it sees near by
+
+  Pose2 map_from_base() const { return map_from_laser * base_from_laser.inverse(); }
 };
 
 }  // namespace ram_slam
