@@ -12,8 +12,8 @@
 #include "ram_slam/atomic_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/landmark_conversions.hpp"
-#include "ram_slam/ros/mounting.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
+#include "ram_slam/world_map/landmark_layer.hpp"
 #include "ram_slam/world_map/world_map_file.hpp"
 
 namespace ram_slam_ros {
@@ -24,7 +24,6 @@ using std::chrono::steady_clock;
 
 constexpr double kLogPeriodS = 5.0;
 constexpr std::size_t kMostQueued = 500;
-constexpr std::size_t kMostScans = 500;
 constexpr std::int64_t kClockSetBackNs = 1'000'000'000;
 /// How long a list waits for the odometry that it needs, in wall time; shorter while odometry is
 /// known to be missing.
@@ -41,27 +40,6 @@ constexpr double kToldCorrection_m = 0.2;
 constexpr double kToldCorrection_rad = 0.1;
 constexpr std::size_t kMostMapBytes = std::size_t{1} << 31;
 
-FastSlamNodeParameters readNodeParameters(ram_parameters::ParameterReader& all) {
-  FastSlamNodeParameters parameters;
-  ram_parameters::ParameterReader reader = all.section("node");
-  reader.read("map_frame", parameters.frames.map);
-  reader.read("odom_frame", parameters.frames.odom);
-  reader.read("base_frame", parameters.frames.base);
-  reader.read("feature_topics", parameters.feature_topics);
-  reader.read("use_scan", parameters.use_scan);
-  reader.read("output_period", parameters.output_period);
-  reader.read("initial_map", parameters.initial_map);
-  reader.rejectUnknown();
-  if (parameters.feature_topics.empty()) {
-    throw std::invalid_argument("node/feature_topics must name at least one topic");
-  }
-  if (!(parameters.output_period >= 0.0)) {
-    throw std::invalid_argument("node/output_period must be >= 0, got " +
-                                std::to_string(parameters.output_period));
-  }
-  return parameters;
-}
-
 void tellOfCorrection(const ram_slam::Pose2& before, const ram_slam::Pose2& after) {
   const ram_slam::Pose2 correction = before.inverse() * after;
   const double moved_m = correction.translation().norm();
@@ -74,15 +52,17 @@ void tellOfCorrection(const ram_slam::Pose2& before, const ram_slam::Pose2& afte
 }  // namespace
 
 FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
-    : node_parameters_(readNodeParameters(reader)),
+    : node_parameters_(readFastSlamNodeParameters(reader)),
       parameters_(ram_slam::readFastSlamParameters(reader)),
       recovery_parameters_(ram_slam::readRecoveryParameters(reader)),
+      views_(node_parameters_.frames.base, buffer_),
       map_to_odom_(node_parameters_.frames, parameters_.future_interpol, buffer_),
       kinematics_(node_),
       motion_(kinematics_),
+      checkpoints_(node_parameters_.checkpoint_file, node_parameters_.checkpoint_period),
       filter_(makeFilter()) {
   advertise();
-  loadInitialMap();
+  if (!goOnFromCheckpoint()) loadInitialMap();
   publishLost();
   thread_ = std::thread([this] { run(); });
   subscribe();
@@ -93,6 +73,7 @@ FastSlamNode::~FastSlamNode() {
   stop_ = true;
   queue_changed_.notify_all();
   thread_.join();
+  checkpoints_.remove();  // it was not killed
 }
 
 void FastSlamNode::advertise() {
@@ -162,9 +143,7 @@ void FastSlamNode::enqueue(ram_slam::FeatureList list) {
 }
 
 void FastSlamNode::onScan(const sensor_msgs::LaserScanConstPtr& message) {
-  const std::lock_guard<std::mutex> lock(queue_mutex_);
-  scans_.push_back(message);
-  if (scans_.size() > kMostScans) scans_.pop_front();
+  views_.add(message);
 }
 
 void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
@@ -272,6 +251,7 @@ void FastSlamNode::process(const ram_slam::FeatureList& list) {
         ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No motion up to the features: " << missing_motion_);
         interrupted_ = true;
         motion_.interruptedUntil(list.stamp_ns);
+        if (from_checkpoint_) forgetPlaceOfCheckpoint();
         return;
       }
       std::this_thread::sleep_for(pause);
@@ -286,7 +266,7 @@ void FastSlamNode::process(const ram_slam::FeatureList& list) {
 }
 
 bool FastSlamNode::tryUpdate(const ram_slam::FeatureList& list) {
-  const std::shared_ptr<const ram_slam::LaserView> view = viewAt(list.stamp_ns);
+  const std::shared_ptr<const ram_slam::LaserView> view = views_.at(list.stamp_ns);
   const std::lock_guard<std::timed_mutex> lock(filter_mutex_);
   if (list.stamp_ns + kClockSetBackNs < filter_->stamp_ns()) restart("the clock was set back");
   try {
@@ -297,14 +277,22 @@ bool FastSlamNode::tryUpdate(const ram_slam::FeatureList& list) {
     missing_motion_ = error.what();
     return false;
   }
+  from_checkpoint_ = false;
   publishPose();
   publishMap();
   publishLost();
+  if (checkpoints_.isDue(filter_->stamp_ns())) checkpoints_.keep(filter_->checkpoint());
   return true;
 }
 
 void FastSlamNode::restart(const std::string& reason) {
   ROS_WARN_STREAM("Starting over with an empty map: " << reason);
+  if (from_checkpoint_) {
+    checkpoints_.putAside("it is of another run of the clock");
+  } else {
+    checkpoints_.remove();
+  }
+  from_checkpoint_ = false;
   filter_ = makeFilter();
   map_to_odom_.reset();
   motion_.forget();
@@ -317,6 +305,31 @@ std::unique_ptr<ram_slam::RecoveringSlam> FastSlamNode::makeFilter() const {
                                                     matchers_.matchers());
 }
 
+bool FastSlamNode::goOnFromCheckpoint() {
+  const std::optional<ram_slam::Checkpoint> checkpoint = checkpoints_.load();
+  if (!checkpoint) return false;
+  try {
+    filter_->restore(*checkpoint);
+  } catch (const std::exception& error) {
+    checkpoints_.putAside(error.what());
+    return false;
+  }
+  from_checkpoint_ = true;
+  ROS_WARN_STREAM("Going on from the checkpoint of "
+                  << toTime(checkpoint->map.stamp_ns) << " in " << node_parameters_.checkpoint_file
+                  << ", with " << checkpoint->map.landmarks.size() << " landmarks");
+  publishMap();
+  return true;
+}
+
+void FastSlamNode::forgetPlaceOfCheckpoint() {
+  const std::lock_guard<std::timed_mutex> lock(filter_mutex_);
+  ROS_WARN("No odometry since the checkpoint: looking for the robot in its map");
+  from_checkpoint_ = false;
+  filter_->forgetPose();
+  publishLost();
+}
+
 void FastSlamNode::loadInitialMap() {
   const std::string& path = node_parameters_.initial_map;
   if (path.empty()) return;
@@ -326,29 +339,6 @@ void FastSlamNode::loadInitialMap() {
   filter_->setMap(map);
   ROS_INFO_STREAM("Loaded " << map.landmarks.size() << " landmarks from " << path
                             << "; looking for the robot among them");
-}
-
-std::shared_ptr<const ram_slam::LaserView> FastSlamNode::viewAt(std::int64_t stamp_ns) {
-  sensor_msgs::LaserScanConstPtr scan;
-  {
-    const std::lock_guard<std::mutex> lock(queue_mutex_);
-    const auto place = std::find_if(scans_.begin(), scans_.end(), [stamp_ns](const auto& other) {
-      return toNanoseconds(other->header.stamp) == stamp_ns;
-    });
-    if (place == scans_.end()) return nullptr;
-    scan = *place;
-  }
-  try {
-    const auto transform =
-        buffer_.lookupTransform(node_parameters_.frames.base, scan->header.frame_id, ros::Time(0));
-    const Mounting mounting = toMounting(transform.transform);
-    const ram_slam::LaserScan readings = toLaserScan(*scan);
-    return std::make_shared<const ram_slam::LaserView>(
-        mounting.upside_down ? mirrored(readings) : readings, mounting.base_from_sensor);
-  } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No landmark can be doubted: " << error.what());
-    return nullptr;
-  }
 }
 
 void FastSlamNode::publishPose() {

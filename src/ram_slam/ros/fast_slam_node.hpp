@@ -26,21 +26,15 @@
 #include "ram_slam/fast_slam/gap_bridge.hpp"
 #include "ram_slam/relocalisation/recovering_slam.hpp"
 
+#include "checkpoint_keeper.hpp"
 #include "fast_slam_diagnostics.hpp"
+#include "fast_slam_node_parameters.hpp"
 #include "kinematics_client.hpp"
+#include "laser_views.hpp"
 #include "map_to_odom_publisher.hpp"
 #include "matcher_plugins.hpp"
 
 namespace ram_slam_ros {
-
-/// What only the node needs to know; the section `node` of config/fast_slam.yaml.
-struct FastSlamNodeParameters {
-  Frames frames;
-  std::vector<std::string> feature_topics = {"features"};
-  bool use_scan = true;
-  double output_period = 1.0;
-  std::string initial_map;  ///< file of a world map; empty: none
-};
 
 /// RecoveringSlam in a ROS graph. Callbacks only queue; one thread runs the filter, another one
 /// keeps tf valid, so that neither a slow update nor a missing kinematics node holds up the other.
@@ -72,8 +66,11 @@ private:
   bool tryUpdate(const ram_slam::FeatureList& list);
   void restart(const std::string& reason);
   std::unique_ptr<ram_slam::RecoveringSlam> makeFilter() const;
+  /// False without a checkpoint of use.
+  bool goOnFromCheckpoint();
+  /// For want of odometry that leads from there to now.
+  void forgetPlaceOfCheckpoint();
   void loadInitialMap();
-  std::shared_ptr<const ram_slam::LaserView> viewAt(std::int64_t stamp_ns);
   void publishPose();
   void publishLost();
   void publishMap();
@@ -86,6 +83,7 @@ private:
   ros::NodeHandle node_;
   tf2_ros::Buffer buffer_;
   tf2_ros::TransformListener listener_{buffer_};
+  LaserViews views_;
   MapToOdomPublisher map_to_odom_;
   KinematicsClient kinematics_;
   ram_slam::GapBridge motion_;
@@ -94,17 +92,18 @@ private:
   ros::Publisher pose_, particles_, landmarks_, landmark_markers_, trajectory_,
       corrected_trajectory_, lost_;
 
+  CheckpointKeeper checkpoints_;
   std::timed_mutex filter_mutex_;
   std::unique_ptr<ram_slam::RecoveringSlam> filter_;
   std::optional<bool> published_lost_;
   std::int64_t last_output_ns_ = 0;
   bool interrupted_ = false;
-  std::string missing_motion_;  ///< why the last list could not be used yet
+  bool from_checkpoint_ = false;  ///< and nothing has come since
+  std::string missing_motion_;    ///< why the last list could not be used yet
 
   std::mutex queue_mutex_;
   std::condition_variable queue_changed_;
   std::deque<ram_slam::FeatureList> queue_;
-  std::deque<sensor_msgs::LaserScanConstPtr> scans_;
   std::atomic<bool> paused_{false};
   std::atomic<bool> stop_{false};
   FastSlamDiagnostics diagnostics_;

@@ -85,25 +85,6 @@ ram_slam_msgs::LandmarkMap toLandmarkMapMessage(const ram_slam::LandmarkMap& map
   return message;
 }
 
-ram_slam::LandmarkMap toLandmarkMap(const ram_slam::LandmarkLayer& layer) {
-  ram_slam::LandmarkMap map;
-  map.stamp_ns = layer.stamp_ns;
-  for (const ram_slam::WorldLandmark& from : layer.landmarks) {
-    LandmarkEstimate landmark;
-    landmark.id = from.id;
-    landmark.type = from.type;
-    landmark.classifier = from.classifier;
-    const ram_slam::Pose2 pose = from.pose.planar();
-    landmark.mean_m = pose.translation();
-    landmark.covariance_m2 = from.pose.covariance.topLeftCorner<2, 2>();
-    landmark.existence_log_odds = from.existence_log_odds;
-    landmark.orientation_rad = pose.yaw_rad;
-    landmark.orientation_variance_rad2 = from.pose.covariance(5, 5);
-    map.landmarks.push_back(landmark);
-  }
-  return map;
-}
-
 visualization_msgs::MarkerArray toMarkers(const ram_slam::LandmarkMap& map,
                                           const std::string& frame_id) {
   visualization_msgs::MarkerArray markers;

@@ -1,155 +1,45 @@
 #!/usr/bin/python3
-"""fast_slam as a node, against a robot that the test plays: features, odometry's services and tf.
-
-The robot drives along x at 0.5 m/s past poles; kinematics is a server in here, which can refuse and go away.
-"""
-import math
+"""fast_slam as a node, against a robot that the test plays: features, odometry's services and tf."""
 import sys
 import threading
 import time
-import unittest
 
 import rospy
 import rostest
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Path
-from ram_slam_msgs.msg import Feature, FeatureList, LandmarkMap
-from ram_slam_msgs.srv import PredictStateWithCovariance, PredictStateWithCovarianceResponse
 from rosgraph_msgs.msg import Log
-from std_msgs.msg import Bool
 from std_srvs.srv import Empty, SetBool, Trigger
 
-TIMEOUT_S = 10.0
-PERIOD_S = 0.1
-SPEED = 0.5
-POLES = [(x + 0.7 * (i % 3), 2.0 - 4.0 * (i % 2)) for i, x in enumerate(range(1, 60, 2))]
-VARIANCE = 1e-4
+from played_robot import PERIOD_S, SPEED, TIMEOUT_S, PlayedRobot, Topic, feature, wait_until
 
 
-def wait_until(condition, timeout=TIMEOUT_S):
-    deadline = time.time() + timeout
-    while time.time() < deadline:
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
-
-
-def feature(x, y, variance=VARIANCE):
-    message = Feature()
-    message.type = "pole"
-    message.pose.pose.position.x = x
-    message.pose.pose.position.y = y
-    message.pose.pose.orientation.w = 1.0
-    message.pose.covariance = [0.0] * 36
-    message.pose.covariance[0] = message.pose.covariance[7] = variance
-    for i in (14, 21, 28, 35):
-        message.pose.covariance[i] = 1e6
-    return message
-
-
-class Topic:
-    """What came on a topic."""
-
-    def __init__(self, name, kind):
-        self.messages = []
-        self.subscriber = rospy.Subscriber(name, kind, self.messages.append, queue_size=1000, tcp_nodelay=True)
-
-
-class FastSlamNode(unittest.TestCase):
+class FastSlamNode(PlayedRobot):
     @classmethod
     def setUpClass(cls):
-        cls.pose = Topic("pose", PoseWithCovarianceStamped)
-        cls.lost = Topic("lost", Bool)
-        cls.landmarks = Topic("landmarks", LandmarkMap)
+        super().setUpClass()
         cls.diagnostics = Topic("/diagnostics", DiagnosticArray)
         cls.corrected = Topic("corrected_trajectory", Path)
         cls.logs = Topic("/rosout", Log)
         cls.smoothed = rospy.Publisher("smoothed_trajectory", Path, queue_size=1)
-        cls.features = rospy.Publisher("features", FeatureList, queue_size=100, tcp_nodelay=True)
         cls.initial_pose = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=10)
-        cls.broadcaster = tf2_ros.TransformBroadcaster()
         cls.buffer = tf2_ros.Buffer()
         cls.listener = tf2_ros.TransformListener(cls.buffer)
-        cls.service = None
-        cls.used = False
-        cls.odometry_from = cls.odometry_to = 0.0
-        cls.now = math.floor(time.time())  # stamps near the wall clock, which tf consumers use
-        cls.start = cls.now
-        cls.serve()
         assert wait_until(lambda: cls.features.get_num_connections() > 0 and
                           cls.pose.subscriber.get_num_connections() > 0 and
                           cls.initial_pose.get_num_connections() > 0 and
                           cls.smoothed.get_num_connections() > 0 and
                           cls.corrected.subscriber.get_num_connections() > 0)
 
-    @classmethod
-    def serve(cls):
-        cls.service = rospy.Service("kinematics/predict_with_covariance", PredictStateWithCovariance, cls.predict)
-
-    @classmethod
-    def predict(cls, request):
-        start, end = request.from_.to_sec(), request.to.to_sec()
-        if start < cls.odometry_from - 1e-6 or end > cls.odometry_to + 1e-6:
-            return None
-        moved = SPEED * (end - start)
-        variance = 1e-6 + 1e-5 * moved
-        return PredictStateWithCovarianceResponse(
-            [moved, 0.0, 0.0], [variance, 0, 0, 0, variance, 0, 0, 0, 0.1 * variance])
-
-    @classmethod
-    def x(cls, stamp=None):
-        return SPEED * ((cls.now if stamp is None else stamp) - cls.start)
-
     def setUp(self):
         """A filter that starts anew at the robot's place."""
-        cls = type(self)
-        if cls.service is None:
-            cls.serve()
+        if self.service is None:
+            self.serve()
         rospy.wait_for_service("fast_slam/reset", TIMEOUT_S)
         self.assertTrue(rospy.ServiceProxy("fast_slam/reset", Trigger)().success)
-        # Stamps never go back from test to test, or tf would drop them.
-        cls.now = max(cls.now + 5.0, math.floor(time.time())) if cls.used else math.floor(time.time())
-        cls.used = True
-        cls.start = cls.now + PERIOD_S  # the first reading's place is the map's origin
-        cls.odometry_from = cls.now - 10.0
-        cls.odometry_to = cls.now
-
-    def list_at(self, stamp):
-        message = FeatureList()
-        message.header.stamp = rospy.Time.from_sec(stamp)
-        message.header.frame_id = "base_link"
-        x = self.x(stamp)
-        message.features = [feature(px - x, py) for px, py in POLES if abs(px - x) < 6.0]
-        return message
-
-    def step(self, odometry=True):
-        """One reading further; returns its stamp."""
-        cls = type(self)
-        cls.now = round(cls.now + PERIOD_S, 3)
-        if odometry:
-            cls.odometry_to = cls.now
-        transform = TransformStamped()
-        transform.header.stamp = rospy.Time.from_sec(cls.now)
-        transform.header.frame_id = "odom"
-        transform.child_frame_id = "base_link"
-        transform.transform.translation.x = self.x()
-        transform.transform.rotation.w = 1.0
-        self.broadcaster.sendTransform(transform)
-        self.features.publish(self.list_at(cls.now))
-        return cls.now
-
-    def answered(self, stamp, timeout=TIMEOUT_S):
-        return wait_until(lambda: any(abs(m.header.stamp.to_sec() - stamp) < 1e-6 for m in self.pose.messages),
-                          timeout)
-
-    def drive(self, count):
-        for _ in range(count):
-            stamp = self.step()
-            self.assertTrue(self.answered(stamp), "no pose for a list")
-        return self.pose.messages[-1]
+        self.begin()
 
     # The first one by name: its stamps must be those of the wall clock.
     def test_a_consumer_of_tf_sees_no_error_while_the_filter_stands_still(self):

@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "ram_slam/fast_slam/resampling.hpp"
+#include "ram_slam/trajectory.hpp"
 
 namespace ram_slam {
 namespace {
@@ -19,6 +20,8 @@ constexpr double kFeatureDistance_m = 5.0;  // typical: turns errors of features
 // has followed one.
 constexpr double kFollowedFloor = 0.5;
 constexpr double kSymmetryTolerance = 1e-9;
+// Landmarks younger than those of a map from a file may have been known to others.
+constexpr LandmarkId kSkippedIds = 10000;
 // Orientations: of things as they are, beyond what detectors state; share that is plainly wrong.
 constexpr double kOrientationSigma_rad = 0.07;
 constexpr double kWrongOrientations = 0.001;
@@ -111,7 +114,8 @@ void FastSlam::setPose(const PoseWithCovariance2& map_from_base, std::int64_t st
   stamp_ns_ = stamp_ns;
 }
 
-void FastSlam::setMap(const LandmarkMap& map) {
+void FastSlam::setMap(const LandmarkMap& map, const std::vector<StampedPose2>& path) {
+  validate(path);
   LandmarkRegistry registry;
   LandmarkTree landmarks;
   for (const LandmarkEstimate& estimate : map.landmarks) {
@@ -130,14 +134,18 @@ void FastSlam::setMap(const LandmarkMap& map) {
     record.was_confirmed = record.existence_log_odds >= parameters_.confirm_log_odds;
     record.orientation_rad = estimate.orientation_rad;
     record.orientation_variance_rad2 = estimate.orientation_variance_rad2;
+    record.placed_ns = estimate.placed_ns;
     registry.restore(std::move(record));
     landmarks.set(estimate.id, {estimate.mean_m, estimate.covariance_m2});
   }
+  registry.skip(kSkippedIds);
+  Path driven;
+  for (const StampedPose2& pose : path) driven.append(pose);
   registry_ = std::move(registry);
   follows_trajectory_ = false;
   for (Particle& particle : particles_) {
     particle.landmarks = landmarks;
-    particle.path = {};
+    particle.path = driven;
   }
   for (LandmarkRecord& record : registry_.records()) refreshBounds(record);
 }

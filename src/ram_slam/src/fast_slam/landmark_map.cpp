@@ -31,6 +31,7 @@ Summary summarise(const LandmarkRecord& record,
   estimate.existence_log_odds = record.existence_log_odds;
   estimate.orientation_rad = record.orientation_rad;
   estimate.orientation_variance_rad2 = record.orientation_variance_rad2;
+  estimate.placed_ns = record.placed_ns;
   double held_weight = 0.0;
   for (std::size_t k = 0; k < particles.size(); ++k) {
     const Landmark* landmark = particles[k].landmarks.find(record.id);

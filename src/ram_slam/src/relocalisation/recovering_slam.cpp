@@ -50,6 +50,9 @@ constexpr double kLostSigma_m = 100.0;
 constexpr double kLostSigma_rad = M_PI;
 constexpr double kResumeSigma_m = 0.1;
 constexpr double kResumeSigma_rad = 0.05;
+// How well the pose was known relative to the landmarks around, where it was kept.
+constexpr double kRestoredSigma_m = 0.05;
+constexpr double kRestoredSigma_rad = 0.02;
 
 bool isCertain(const PoseWithCovariance2& motion) {
   const Eigen::Matrix3d& c = motion.covariance;
@@ -353,6 +356,30 @@ void RecoveringSlam::setMap(const LandmarkMap& map) {
   filter_.setMap(map);
   map_views_.clear();
   forgetPose();
+}
+
+Checkpoint RecoveringSlam::checkpoint() const {
+  Checkpoint kept{filter_.landmarks(), filter_.trajectory()};
+  kept.map.stamp_ns = stamp_ns_;
+  while (!kept.path.empty() && kept.path.back().stamp_ns >= stamp_ns_) kept.path.pop_back();
+  if (!lost()) kept.path.push_back({stamp_ns_, filter_.estimate().pose});
+  kept.path = thinned(kept.path);
+  return kept;
+}
+
+void RecoveringSlam::restore(const Checkpoint& checkpoint) {
+  RecoveringSlam restored(filter_parameters_, parameters_, matchers_);
+  restored.filter_.setMap(checkpoint.map, checkpoint.path);
+  PoseWithCovariance2 pose;
+  if (!checkpoint.path.empty()) pose.pose = checkpoint.path.back().pose;
+  pose.covariance = Eigen::Vector3d(kRestoredSigma_m, kRestoredSigma_m, kRestoredSigma_rad)
+                        .cwiseAbs2()
+                        .asDiagonal();
+  restored.filter_.setPose(pose, checkpoint.map.stamp_ns);
+  restored.stamp_ns_ = checkpoint.map.stamp_ns;
+  if (parameters_.enabled) restored.resume(pose);
+  if (checkpoint.isLost()) restored.forgetPose();
+  *this = std::move(restored);
 }
 
 }  // namespace ram_slam

@@ -91,6 +91,18 @@ protected:
     drive(5.0);
   }
 
+  /// The process is killed and started again from its last checkpoint; the robot drives on
+  /// meanwhile.
+  void restart(const std::string& checkpoint, double way_m) {
+    for (double left_m = way_m; left_m > 1e-9; left_m -= kStep_m) {
+      odometry_.move({kStep_m, 0.0, 0.0});
+      truth_ = truth_ * Pose2{kStep_m, 0.0, 0.0};
+    }
+    RecoveringSlam other{FastSlamParameters{}, RecoveryParameters{}};
+    other.restore(checkpointFromBytes(checkpoint));
+    slam_ = std::move(other);
+  }
+
   double error_m() const {
     return (slam_.estimate().pose.translation() - (start_.inverse() * truth_).translation()).norm();
   }
@@ -178,6 +190,89 @@ TEST_F(Kidnapped, WhileLostNoTrajectoryIsFollowed) {
   const std::string map = mapBytes();
   EXPECT_THROW(slam_.followTrajectory(path), std::runtime_error);
   EXPECT_EQ(mapBytes(), map);
+}
+
+TEST_F(Kidnapped, GoesOnFromACheckpointWithItsMapAndItsPath) {
+  mapTheRoom();
+  const LandmarkMap before = slam_.filter().landmarks();
+  const Trajectory path = slam_.filter().trajectory();
+  const LandmarkId newest = before.landmarks.back().id;
+  restart(toBytes(slam_.checkpoint()), 1.0);
+  const LandmarkMap after = slam_.filter().landmarks();
+  ASSERT_EQ(after.landmarks.size(), before.landmarks.size());
+  for (std::size_t i = 0; i < before.landmarks.size(); ++i) {
+    EXPECT_EQ(after.landmarks[i].id, before.landmarks[i].id);
+    EXPECT_LT((after.landmarks[i].mean_m - before.landmarks[i].mean_m).norm(), 1e-9);
+  }
+  drive(4.0);
+  EXPECT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.05);
+  EXPECT_EQ(slam_.filter().landmarks().landmarks.back().id, newest);  // all were seen again
+  EXPECT_EQ(slam_.filter().trajectory().front().stamp_ns, path.front().stamp_ns);
+  EXPECT_GT(slam_.filter().trajectory().back().stamp_ns, path.back().stamp_ns);
+}
+
+TEST_F(Kidnapped, AfterACheckpointTheMapStillBendsAlongASmoothedTrajectory) {
+  mapTheRoom();
+  restart(toBytes(slam_.checkpoint()), 0.5);
+  drive(2.0);
+  const LandmarkMap before = slam_.filter().landmarks();
+  // Later than the first reading everything lies 10 % farther along x.
+  Trajectory stretched = slam_.filter().trajectory();
+  for (StampedPose2& stamped : stretched) stamped.pose.x_m *= 1.1;
+  slam_.followTrajectory(stretched);
+  const LandmarkMap after = slam_.filter().landmarks();
+  ASSERT_EQ(after.landmarks.size(), before.landmarks.size());
+  bool some_moved = false;
+  for (std::size_t i = 0; i < before.landmarks.size(); ++i) {
+    ASSERT_EQ(after.landmarks[i].id, before.landmarks[i].id);
+    ASSERT_GT(before.landmarks[i].placed_ns, 0);
+    const Pose2 placed_from =
+        *poseAt(slam_.filter().trajectory(), before.landmarks[i].placed_ns);  // after stretching
+    const double moved_m = after.landmarks[i].mean_m.x() - before.landmarks[i].mean_m.x();
+    EXPECT_NEAR(moved_m, placed_from.x_m / 11.0, 0.02);
+    some_moved = some_moved || moved_m > 0.3;
+  }
+  EXPECT_TRUE(some_moved);
+}
+
+TEST_F(Kidnapped, WhatIsNewAfterACheckpointGetsIdentifiersThatNobodyHas) {
+  look({});
+  drive(2.0);
+  const std::string checkpoint = toBytes(slam_.checkpoint());
+  drive(6.0);
+  const LandmarkId newest = slam_.filter().landmarks().landmarks.back().id;
+  const std::size_t known = checkpointFromBytes(checkpoint).map.landmarks.size();
+  ASSERT_GT(slam_.filter().landmarks().landmarks.size(), known);
+  restart(checkpoint, 0.05);
+  drive(3.0);
+  const LandmarkMap map = slam_.filter().landmarks();
+  ASSERT_GT(map.landmarks.size(), known);
+  for (std::size_t i = known; i < map.landmarks.size(); ++i) EXPECT_GT(map.landmarks[i].id, newest);
+  EXPECT_LT(error_m(), 0.05);
+}
+
+TEST_F(Kidnapped, ALostRobotIsLostAfterItsCheckpoint) {
+  mapTheRoom();
+  slam_.forgetPose();
+  restart(toBytes(slam_.checkpoint()), 0.0);
+  EXPECT_TRUE(slam_.lost());
+  drive(4.0);
+  EXPECT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.1);
+}
+
+TEST_F(Kidnapped, ACheckpointThatTheFilterRefusesChangesNothing) {
+  mapTheRoom();
+  const std::string map = mapBytes();
+  Checkpoint bad = slam_.checkpoint();
+  bad.map.landmarks[0].covariance_m2.setZero();
+  EXPECT_THROW(slam_.restore(bad), std::invalid_argument);
+  bad = slam_.checkpoint();
+  bad.map.stamp_ns = 0;
+  EXPECT_THROW(slam_.restore(bad), std::invalid_argument);
+  EXPECT_EQ(mapBytes(), map);
+  EXPECT_FALSE(slam_.lost());
 }
 
 }  // namespace

@@ -88,12 +88,12 @@ public:
   /// above, or if the stamp is older than stamp_ns()
   void setPose(const PoseWithCovariance2& map_from_base, std::int64_t stamp_ns);
 
-  /// Replaces the map by one learned before, the same for all particles. The pose stays, the path
-  /// begins anew.
+  /// Replaces the map by one learned before, the same for all particles, and the path by the one
+  /// from which it was learned, if that is known. The pose stays.
   /// \throws std::invalid_argument if a landmark is not finite, its covariance not symmetric and
-  /// positive definite, or the landmarks are not in the order of their identifiers; nothing has
-  /// changed then
-  void setMap(const LandmarkMap& map);
+  /// positive definite, the landmarks are not in the order of their identifiers, or as
+  /// validate(Trajectory); nothing has changed then
+  void setMap(const LandmarkMap& map, const std::vector<StampedPose2>& path = {});
 
   /// Bends the map so that the robot came along the corrected trajectory, as a smoother found it:
   /// each landmark moves with the pose from which it was first seen, the particles with the newest

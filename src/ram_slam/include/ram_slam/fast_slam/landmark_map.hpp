@@ -22,6 +22,7 @@ struct LandmarkEstimate {
   double existence_log_odds = 0.0;
   double orientation_rad = 0.0;
   double orientation_variance_rad2 = 1e6;  ///< 1e6: not observed
+  std::int64_t placed_ns = 0;  ///< when it was first put into the map; 0: before the path began
 };
 
 /// E[(p_first - mean)(p_second - mean)^T] of two landmarks; first_id < second_id.

@@ -52,6 +52,8 @@ public:
   /// Takes over a record as it is, e.g. from a stored map. \throws std::invalid_argument if its id
   /// was used already
   void restore(LandmarkRecord record);
+  /// Leaves out the next so many identifiers, which may have been used without this registry.
+  void skip(LandmarkId count) { next_id_ += count; }
 
 private:
   std::vector<LandmarkRecord> records_;

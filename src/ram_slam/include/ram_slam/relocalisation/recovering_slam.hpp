@@ -8,6 +8,7 @@
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/relocalisation/checkpoint.hpp"
 #include "ram_slam/relocalisation/constellation.hpp"
 #include "ram_slam/relocalisation/discontinuity_detector.hpp"
 #include "ram_slam/relocalisation/local_constellation.hpp"
@@ -87,6 +88,13 @@ public:
   /// Begins with a map learned before, of which the robot's place is not known. \throws as
   /// FastSlam::setMap()
   void setMap(const LandmarkMap& map);
+
+  /// What restore() needs to go on from here; nothing of the sort before started().
+  Checkpoint checkpoint() const;
+  /// Begins anew with what another one knew: its map, its path, and the robot near where it was,
+  /// or lost if it was. Identifiers go on behind those that may have been used meanwhile.
+  /// \throws std::invalid_argument as FastSlam::setMap(), or without a stamp; nothing has changed
+  void restore(const Checkpoint& checkpoint);
 
 private:
   /// A copy of the filter, and where the robot was then.

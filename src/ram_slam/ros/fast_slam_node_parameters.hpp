@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ram_parameters/parameter_reader.hpp"
+
+#include "map_to_odom_publisher.hpp"
+
+namespace ram_slam_ros {
+
+/// What only the node needs to know; the section `node` of config/fast_slam.yaml.
+struct FastSlamNodeParameters {
+  Frames frames;
+  std::vector<std::string> feature_topics = {"features"};
+  bool use_scan = true;
+  double output_period = 1.0;
+  std::string initial_map;      ///< file of a world map; empty: none
+  std::string checkpoint_file;  ///< empty: no checkpoints
+  double checkpoint_period = 2.0;
+
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+/// Reads the section `node`. \throws std::invalid_argument for an unknown key, a wrong type or a
+/// value out of bounds
+FastSlamNodeParameters readFastSlamNodeParameters(ram_parameters::ParameterReader& all);
+
+}  // namespace ram_slam_ros
