@@ -250,8 +250,7 @@ void FastSlamNode::process(const ram_slam::FeatureList& list) {
       if (steady_clock::now() - start > patience) {
         ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No motion up to the features: " << missing_motion_);
         interrupted_ = true;
-        motion_.interruptedUntil(list.stamp_ns);
-        if (from_checkpoint_) forgetPlaceOfCheckpoint();
+        bridgeGap(list.stamp_ns);
         return;
       }
       std::this_thread::sleep_for(pause);
@@ -322,8 +321,12 @@ bool FastSlamNode::goOnFromCheckpoint() {
   return true;
 }
 
-void FastSlamNode::forgetPlaceOfCheckpoint() {
+void FastSlamNode::bridgeGap(std::int64_t stamp_ns) {
   const std::lock_guard<std::timed_mutex> lock(filter_mutex_);
+  const std::optional<ram_slam::Pose2> moved =
+      map_to_odom_.odometryBetween(filter_->stamp_ns(), stamp_ns);
+  motion_.interruptedUntil(stamp_ns, moved);
+  if (!from_checkpoint_ || moved) return;
   ROS_WARN("No odometry since the checkpoint: looking for the robot in its map");
   from_checkpoint_ = false;
   filter_->forgetPose();

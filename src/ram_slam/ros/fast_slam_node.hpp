@@ -68,8 +68,9 @@ private:
   std::unique_ptr<ram_slam::RecoveringSlam> makeFilter() const;
   /// False without a checkpoint of use.
   bool goOnFromCheckpoint();
-  /// For want of odometry that leads from there to now.
-  void forgetPlaceOfCheckpoint();
+  /// For want of the kinematics' motion up to a list: what tf tells, or nothing; then a checkpoint
+  /// does not say where the robot is now.
+  void bridgeGap(std::int64_t stamp_ns);
   void loadInitialMap();
   void publishPose();
   void publishLost();

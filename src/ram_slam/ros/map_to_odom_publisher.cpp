@@ -14,6 +14,7 @@ namespace {
 constexpr auto kTick = std::chrono::milliseconds(4);
 constexpr std::int64_t kPeriodNs = 40'000'000;  // 25 Hz
 constexpr double kLogPeriodS = 5.0;
+constexpr double kMostSpeed_mps = 3.0;
 
 }  // namespace
 
@@ -33,6 +34,22 @@ void MapToOdomPublisher::correct(std::int64_t stamp_ns, const ram_slam::Pose2& m
   const std::lock_guard<std::mutex> lock(mutex_);
   pending_ = Correction{stamp_ns, map_from_base};
   last_data_ns_ = stamp_ns;
+}
+
+std::optional<ram_slam::Pose2> MapToOdomPublisher::odometryBetween(std::int64_t from_ns,
+                                                                   std::int64_t to_ns) const {
+  try {
+    const auto poseAt = [this](std::int64_t stamp_ns) {
+      return toPose2(
+          buffer_.lookupTransform(frames_.odom, frames_.base, toTime(stamp_ns)).transform);
+    };
+    const ram_slam::Pose2 moved = poseAt(from_ns).inverse() * poseAt(to_ns);
+    const double most_m = kMostSpeed_mps * 1e-9 * static_cast<double>(to_ns - from_ns);
+    if (moved.translation().norm() > most_m) return std::nullopt;
+    return moved;
+  } catch (const tf2::TransformException&) {
+    return std::nullopt;
+  }
 }
 
 void MapToOdomPublisher::reset() {

@@ -33,6 +33,9 @@ public:
 
   /// Where the base was at a stamp. Takes effect when tf knows odom -> base at that stamp.
   void correct(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base);
+  /// How the base moved in the odometry frame, if tf knows. A jump of that frame's origin is no
+  /// motion.
+  std::optional<ram_slam::Pose2> odometryBetween(std::int64_t from_ns, std::int64_t to_ns) const;
   /// Back to map = odom, after the clock was set back.
   void reset();
 

@@ -111,7 +111,7 @@ class FastSlamCheckpoint(PlayedRobot):
         try:
             newest_id = 0
             for _ in range(3):
-                time.sleep(6.0)
+                time.sleep(4.0)
                 before = self.places()
                 error_before = self.error()
                 newest_id = max(newest_id, max(before))

@@ -51,8 +51,8 @@ constexpr double kLostSigma_rad = M_PI;
 constexpr double kResumeSigma_m = 0.1;
 constexpr double kResumeSigma_rad = 0.05;
 // How well the pose was known relative to the landmarks around, where it was kept.
-constexpr double kRestoredSigma_m = 0.05;
-constexpr double kRestoredSigma_rad = 0.02;
+constexpr double kRestoredSigma_m = 0.02;
+constexpr double kRestoredSigma_rad = 0.004;
 
 bool isCertain(const PoseWithCovariance2& motion) {
   const Eigen::Matrix3d& c = motion.covariance;

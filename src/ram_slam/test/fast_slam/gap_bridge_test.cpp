@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/fast_slam/gap_bridge.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -68,6 +69,31 @@ TEST(GapBridge, DrawsSamplesApartAcrossTheGap) {
   EXPECT_NE(moved[0].x_m, moved[1].x_m);
   const std::vector<Pose2> again = bridge.sample({{}, {}}, 4 * kSecond, 6 * kSecond, 7);
   EXPECT_EQ(moved[0].x_m, again[0].x_m);
+}
+
+TEST(GapBridge, GoesDuringTheGapAsItIsTold) {
+  const KnownFrom model(5 * kSecond);
+  GapBridge bridge(model);
+  bridge.interruptedUntil(5 * kSecond, Pose2{2.0, 0.0, M_PI_2});
+  const PoseWithCovariance2 motion = bridge.motion(1 * kSecond, 6 * kSecond);
+  EXPECT_NEAR(motion.pose.x_m, 2.0, 1e-12);
+  EXPECT_NEAR(motion.pose.y_m, 1.0, 1e-12);
+  // 2 cm and 5 % of 2 m, and what a yaw uncertain by 0.01 rad and 5 % of a quarter turn does in 1 m.
+  EXPECT_NEAR(motion.covariance(0, 0), 0.12 * 0.12 + std::pow(0.01 + 0.05 * M_PI_2, 2), 1e-9);
+  for (const Pose2& pose : bridge.sample({{}, {}}, 1 * kSecond, 6 * kSecond, 7)) {
+    EXPECT_NEAR(pose.x_m, 2.0, 0.7);
+    EXPECT_NEAR(pose.y_m, 1.0, 0.7);
+  }
+}
+
+TEST(GapBridge, ToldNothingMoreForASecondItStandsStillAgain) {
+  const KnownFrom model(5 * kSecond);
+  GapBridge bridge(model);
+  bridge.interruptedUntil(5 * kSecond, Pose2{2.0, 0.0, 0.0});
+  bridge.interruptedUntil(5 * kSecond + kSecond / 2);
+  EXPECT_EQ(bridge.motion(1 * kSecond, 6 * kSecond).pose.x_m, 3.0);
+  bridge.interruptedUntil(6 * kSecond);
+  EXPECT_EQ(bridge.motion(1 * kSecond, 7 * kSecond).pose.x_m, 1.0);
 }
 
 TEST(GapBridge, RefusesAgainOnceTheGapIsForgotten) {
