@@ -74,6 +74,8 @@ void LaserOdometryNode::processWaiting() {
 void LaserOdometryNode::publish(const ram_slam::LaserOdometryEstimate& estimate) {
   if (estimate.wheels_slipped)
     ROS_WARN_THROTTLE(kWarnPeriodS, "the wheels slip: scans contradict them");
+  if (estimate.wheels_stuck)
+    ROS_ERROR_THROTTLE(kWarnPeriodS, "odometry stuck: the robot moves, the wheels stand still");
   nav_msgs::Odometry message;
   message.header.stamp = toTime(estimate.stamp_ns);
   message.header.frame_id = parameters_.odom_frame;

@@ -104,6 +104,35 @@ TEST(Conversions, BadFeaturesAreLeftOutAndCounted) {
   EXPECT_EQ(checked.rejected_count, 4);
 }
 
+TEST(Conversions, FeaturesBeyondTheMostThatAreTakenAreCounted) {  // fault F122
+  ram_slam::FeatureList list;
+  list.stamp_ns = 42;
+  list.features = std::vector<ram_slam::Feature>(100'000, exampleFeature());
+  const CheckedFeatures checked = toFeatureList(toFeatureListMessage(list, "base_link"));
+  EXPECT_GT(checked.list.features.size(), 100U);
+  EXPECT_EQ(checked.list.features.size() + static_cast<std::size_t>(checked.rejected_count),
+            100'000U);
+  EXPECT_GT(checked.rejected_count, 0);
+}
+
+TEST(Conversions, AClassifierThatIsTooLongIsTakenForNone) {  // fault F124
+  ram_slam_msgs::Feature message = toFeatureMessage(exampleFeature(), std_msgs::Header());
+  message.classifier = std::string(1'000'000, 'x');
+  EXPECT_EQ(toFeature(message).classifier, "");
+  message.classifier = std::string("\xff\xfe\0\x80", 4);  // no UTF-8: bytes like others
+  EXPECT_EQ(toFeature(message).classifier, message.classifier);
+}
+
+TEST(Conversions, AListWithoutAStampIsRefusedWhateverItsFeaturesSay) {  // fault F125
+  ram_slam::FeatureList list;
+  list.stamp_ns = 42;
+  list.features = {exampleFeature()};
+  ram_slam_msgs::FeatureList message = toFeatureListMessage(list, "base_link");
+  message.header.stamp = ros::Time();
+  EXPECT_FALSE(message.features[0].header.stamp.isZero());
+  EXPECT_THROW(toFeatureList(message), std::invalid_argument);
+}
+
 TEST(Conversions, ScanThatIsOfNoUseIsRefused) {
   sensor_msgs::LaserScan good;
   good.header.stamp = ros::Time(1, 0);

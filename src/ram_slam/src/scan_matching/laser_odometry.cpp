@@ -32,6 +32,11 @@ constexpr double kReachM = 0.05;
 constexpr double kReachRad = 0.05;
 constexpr double kFastestMps = 2.0;
 constexpr double kFastestRadps = 4.0;
+// Wheels that move less stand still; they are stuck if the robot has moved that far meanwhile.
+constexpr double kStandingM = 0.001;
+constexpr double kStandingRad = 0.001;
+constexpr double kStuckM = 0.15;
+constexpr double kStuckRad = 0.15;
 
 using ram_parameters::require;
 using ram_parameters::requirePositive;
@@ -192,6 +197,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
       key_scans_.pop_front();
   }
   learnBias(estimate, odom_from_base);
+  estimate.wheels_stuck = areStuck(odom_from_base, estimate.odom_from_base.pose);
   last_interval_s_ = interval_s;
   last_wheels_ = odom_from_base;
   last_ = estimate;
@@ -274,6 +280,20 @@ void LaserOdometry::learnBias(const LaserOdometryEstimate& estimate,
   }
   interval_.reset();
   if (trusted) interval_ = Interval{*wheels, estimate.odom_from_base.pose};
+}
+
+bool LaserOdometry::areStuck(const std::optional<Pose2>& wheels, const Pose2& odom_from_base) {
+  const auto moved = [](const Pose2& from, const Pose2& to, double distance_m, double angle_rad) {
+    const Pose2 motion = from.inverse() * to;
+    return motion.translation().norm() > distance_m || std::abs(motion.yaw_rad) > angle_rad;
+  };
+  if (!wheels) {
+    standing_.reset();
+    return false;
+  }
+  if (!standing_ || moved(standing_->wheels, *wheels, kStandingM, kStandingRad))
+    standing_ = Interval{*wheels, odom_from_base};
+  return moved(standing_->observed, odom_from_base, kStuckM, kStuckRad);
 }
 
 std::optional<Pose2> LaserOdometry::search(const SurfaceScan& surfaces,

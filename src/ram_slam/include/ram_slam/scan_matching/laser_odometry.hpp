@@ -60,6 +60,8 @@ struct LaserOdometryEstimate {
   PoseWithCovariance2 motion;
   double inlier_ratio =
       0.0;  ///< share of the scan's points that met a surface of the last key scans
+  /// The wheels stand still while the scans show a motion: nobody counts their turns any more.
+  bool wheels_stuck = false;
   bool wheels_slipped = false;  ///< the scans contradict the wheels beyond their deviation
   /// And tell of a motion that no robot makes, as one that is carried away: the motion is that of
   /// the wheels, and later scans are matched with this one and its followers.
@@ -111,6 +113,7 @@ private:
                               double angle_rad) const;
   /// Teaches the bias of the wheels, once the robot has moved far enough since the last time.
   void learnBias(const LaserOdometryEstimate& estimate, const std::optional<Pose2>& wheels);
+  bool areStuck(const std::optional<Pose2>& wheels, const Pose2& odom_from_base);
   std::vector<ReferenceScan> references() const;
   bool isKeyScan(const Pose2& odom_from_laser, double inlier_ratio) const;
 
@@ -119,6 +122,7 @@ private:
   std::optional<Pose2> last_wheels_;
   WheelBias wheel_bias_;
   std::optional<Interval> interval_;  ///< that goes on
+  std::optional<Interval> standing_;  ///< since the wheels stand still
   LaserOdometryEstimate last_;
   double last_interval_s_ = 0.0;
 };
