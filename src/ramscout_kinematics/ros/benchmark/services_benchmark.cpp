@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Round trips of the kinematics services over the loopback while odometry arrives at 100 Hz;
 // services.launch runs it.
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <thread>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 #include <nav_msgs/Odometry.h>
@@ -64,14 +67,26 @@ void call(benchmark::State& state, const char* name, typename Service::Request r
   ros::NodeHandle node;
   ros::ServiceClient client = node.serviceClient<Service>(name, true);
   typename Service::Response response;
+  std::vector<double> round_trips_us;
   for ([[maybe_unused]] const auto iteration : state) {
     request.to = robot.newest() - ros::Duration(0.02);
     request.from = request.to - ros::Duration(0.1);
+    const auto start = std::chrono::steady_clock::now();
     if (!client.call(request, response)) {
       state.SkipWithError("the call failed");
       break;
     }
+    const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - start;
+    round_trips_us.push_back(took.count());
   }
+  std::sort(round_trips_us.begin(), round_trips_us.end());
+  const auto percentile = [&round_trips_us](double share) {
+    if (round_trips_us.empty()) return 0.0;
+    return round_trips_us[static_cast<std::size_t>(share *
+                                                   static_cast<double>(round_trips_us.size() - 1))];
+  };
+  state.counters["median_us"] = percentile(0.5);
+  state.counters["p99_us"] = percentile(0.99);
 }
 
 void sampleStates(benchmark::State& state) {
