@@ -12,6 +12,7 @@ namespace {
 constexpr double kUnknownVariance = 1e6;
 constexpr double kQuaternionTolerance = 1e-3;
 constexpr std::size_t kMaxFeatures = 1000;
+constexpr double kLongestSweepS = 1.0;  // a longer one is no sweep but nonsense
 constexpr std::size_t kMaxClassifierLength = 4096;
 constexpr double kSymmetryTolerance = 1e-6;
 constexpr std::int64_t kMaxDelayNs = 1'000'000'000;  // of a feature after its list
@@ -112,8 +113,9 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message) {
   scan.stamp_ns = toNanoseconds(message.header.stamp);
   scan.angle_min_rad = message.angle_min;
   scan.angle_increment_rad = message.angle_increment;
-  const bool sweep_known = std::isfinite(message.time_increment) && message.time_increment > 0.0F &&
-                           message.time_increment < 1.0F;
+  const double sweep_s =
+      static_cast<double>(message.time_increment) * static_cast<double>(message.ranges.size());
+  const bool sweep_known = sweep_s > 0.0 && sweep_s <= kLongestSweepS;
   scan.time_increment_s = sweep_known ? message.time_increment : 0.0;
   scan.range_min_m = message.range_min;
   scan.range_max_m = message.range_max;
@@ -153,7 +155,12 @@ ram_slam_msgs::Feature toFeatureMessage(const ram_slam::Feature& feature,
   return message;
 }
 
-CheckedFeatures toFeatureList(const ram_slam_msgs::FeatureList& message) {
+CheckedFeatures toFeatureList(const ram_slam_msgs::FeatureList& message,
+                              const std::string& frame_id) {
+  if (message.header.frame_id != frame_id) {
+    throw std::invalid_argument("they are in '" + message.header.frame_id + "' instead of '" +
+                                frame_id + "'");
+  }
   if (message.header.stamp.isZero()) throw std::invalid_argument("feature list without a stamp");
   CheckedFeatures checked;
   checked.list.stamp_ns = toNanoseconds(message.header.stamp);

@@ -109,11 +109,7 @@ void FastSlamNode::subscribe() {
 
 void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
   try {
-    if (message.header.frame_id != node_parameters_.frames.base) {
-      throw std::invalid_argument("they are in '" + message.header.frame_id + "' instead of '" +
-                                  node_parameters_.frames.base + "'");
-    }
-    CheckedFeatures checked = toFeatureList(message);
+    CheckedFeatures checked = toFeatureList(message, node_parameters_.frames.base);
     diagnostics_.addFeatures(checked.list.features.size(), checked.rejected_count);
     if (checked.rejected_count > 0) {
       ROS_WARN_STREAM_THROTTLE(

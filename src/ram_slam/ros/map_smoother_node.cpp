@@ -57,11 +57,7 @@ void MapSmootherNode::onOdometry(const nav_msgs::Odometry& message) {
 
 void MapSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
   try {
-    if (message.header.frame_id != parameters_.base_frame) {
-      throw std::invalid_argument("they are in '" + message.header.frame_id + "' instead of '" +
-                                  parameters_.base_frame + "'");
-    }
-    smoother_.addFeatures(toFeatureList(message).list);
+    smoother_.addFeatures(toFeatureList(message, parameters_.base_frame).list);
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected features: " << error.what());
   }

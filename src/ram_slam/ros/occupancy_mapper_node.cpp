@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::size_t kMaxWaiting = 1000;
 constexpr std::int64_t kTimeJumpNs = 1000000000;
-constexpr double kLongestSweepS = 1.0;
 constexpr double kWaitingPollS = 0.02;
 constexpr double kSilenceReportS = 5.0;
 constexpr double kWarnPeriodS = 5.0;
@@ -27,14 +26,6 @@ std::string expandHome(const std::string& path) {
   const char* home = std::getenv("HOME");
   if (home == nullptr || (path != "~" && path.compare(0, 2, "~/") != 0)) return path;
   return home + path.substr(1);
-}
-
-/// When the last beam was fired; at once with the first if the time increment makes no sense.
-ros::Time endOf(const sensor_msgs::LaserScan& scan) {
-  const double duration_s =
-      static_cast<double>(scan.time_increment) * (static_cast<double>(scan.ranges.size()) - 1.0);
-  if (!(duration_s > 0.0 && duration_s <= kLongestSweepS)) return scan.header.stamp;
-  return scan.header.stamp + ros::Duration(duration_s);
 }
 
 }  // namespace
@@ -72,19 +63,24 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
                              << correction_subscriber_.getTopic());
 }
 
-void OccupancyMapperNode::onScan(const ScanPtr& message) {
-  {
+void OccupancyMapperNode::onScan(const sensor_msgs::LaserScan& message) {
+  try {
+    ram_slam::LaserScan scan = toLaserScan(message);
     const std::lock_guard lock(map_mutex_);
     ++received_count_;
-    const std::int64_t stamp_ns = toNanoseconds(message->header.stamp);
-    if (stamp_ns < newest_scan_ns_ - kTimeJumpNs) {
+    if (scan.stamp_ns < newest_scan_ns_ - kTimeJumpNs) {
       ROS_WARN_STREAM("time jumped back by "
-                      << static_cast<double>(newest_scan_ns_ - stamp_ns) * 1e-9
+                      << static_cast<double>(newest_scan_ns_ - scan.stamp_ns) * 1e-9
                       << " s: the map starts anew");
       startAnew();
     }
-    newest_scan_ns_ = std::max(newest_scan_ns_, stamp_ns);
-    waiting_.push_back({message, ros::SteadyTime::now()});
+    newest_scan_ns_ = std::max(newest_scan_ns_, scan.stamp_ns);
+    waiting_.push_back({std::move(scan), message.header.frame_id, ros::SteadyTime::now()});
+  } catch (const std::exception& error) {
+    const std::lock_guard lock(map_mutex_);
+    ++received_count_;
+    last_problem_ = error.what();
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected a scan: " << error.what());
   }
   mapWaiting();
 }
@@ -92,17 +88,17 @@ void OccupancyMapperNode::onScan(const ScanPtr& message) {
 void OccupancyMapperNode::mapWaiting() {
   const std::lock_guard lock(map_mutex_);
   while (!waiting_.empty()) {
-    const sensor_msgs::LaserScan& message = *waiting_.front().scan;
-    const double waited_s = (ros::SteadyTime::now() - waiting_.front().since).toSec();
+    const Waiting& first = waiting_.front();
+    const double waited_s = (ros::SteadyTime::now() - first.since).toSec();
     const bool waits =
         waited_s <= parameters_.transform_timeout_s && waiting_.size() <= kMaxWaiting;
-    const auto knows = [&](const ros::Time& stamp, std::string* reason) {
-      return transforms_.canTransform(parameters_.map_frame, message.header.frame_id, stamp,
-                                      ros::Duration(0.0), reason);
+    const auto knows = [&](std::int64_t stamp_ns) {
+      return transforms_.canTransform(parameters_.map_frame, first.frame, toTime(stamp_ns),
+                                      ros::Duration(0.0), &last_problem_);
     };
-    if (waits && !knows(endOf(message), &last_problem_)) return;
-    if (knows(message.header.stamp, &last_problem_)) {
-      map(message);
+    if (waits && !knows(first.scan.stamp_ns + first.scan.duration_ns())) return;
+    if (knows(first.scan.stamp_ns)) {
+      map(first.scan, first.frame);
     } else {
       if (waits) return;
       ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "dropped a scan that waited "
@@ -113,18 +109,16 @@ void OccupancyMapperNode::mapWaiting() {
   }
 }
 
-void OccupancyMapperNode::map(const sensor_msgs::LaserScan& message) {
-  const ros::Time& stamp = message.header.stamp;
+void OccupancyMapperNode::map(const ram_slam::LaserScan& scan, const std::string& frame) {
   try {
-    const Mounting mounting = toMounting(
-        transforms_.lookupTransform(parameters_.base_frame, message.header.frame_id, stamp)
-            .transform);
-    const ram_slam::LaserScan scan = toLaserScan(message);
+    const Mounting mounting =
+        toMounting(transforms_.lookupTransform(parameters_.base_frame, frame, toTime(scan.stamp_ns))
+                       .transform);
     const auto counts =
-        map_.add(mounting.upside_down ? ram_slam::mirrored(scan) : scan, poseAt(stamp),
-                 mounting.base_from_sensor, lastBeam(message, mounting.base_from_sensor));
+        map_.add(mounting.upside_down ? ram_slam::mirrored(scan) : scan, poseAt(scan.stamp_ns),
+                 mounting.base_from_sensor, lastBeam(scan, mounting.base_from_sensor));
     newest_mapped_ns_ = scan.stamp_ns;
-    if (!ever_mapped_) ROS_INFO_STREAM("first scan mapped, from frame " << message.header.frame_id);
+    if (!ever_mapped_) ROS_INFO_STREAM("first scan mapped, from frame " << frame);
     ever_mapped_ = true;
     if (counts && counts->hit + counts->cleared == 0) {
       ROS_WARN_STREAM_THROTTLE(
@@ -137,17 +131,19 @@ void OccupancyMapperNode::map(const sensor_msgs::LaserScan& message) {
   }
 }
 
-ram_slam::Pose2 OccupancyMapperNode::poseAt(const ros::Time& stamp) const {
+ram_slam::Pose2 OccupancyMapperNode::poseAt(std::int64_t stamp_ns) const {
   return toPose2(
-      transforms_.lookupTransform(parameters_.map_frame, parameters_.base_frame, stamp).transform);
+      transforms_.lookupTransform(parameters_.map_frame, parameters_.base_frame, toTime(stamp_ns))
+          .transform);
 }
 
-ram_slam::Pose2 OccupancyMapperNode::lastBeam(const sensor_msgs::LaserScan& message,
+ram_slam::Pose2 OccupancyMapperNode::lastBeam(const ram_slam::LaserScan& scan,
                                               const ram_slam::Pose2& base_from_laser) const {
-  const ros::Time end = endOf(message);
-  if (!transforms_.canTransform(parameters_.map_frame, parameters_.base_frame, end)) return {};
-  const ram_slam::Pose2 map_from_laser = poseAt(message.header.stamp) * base_from_laser;
-  return map_from_laser.inverse() * poseAt(end) * base_from_laser;
+  const std::int64_t end_ns = scan.stamp_ns + scan.duration_ns();
+  if (!transforms_.canTransform(parameters_.map_frame, parameters_.base_frame, toTime(end_ns)))
+    return {};
+  const ram_slam::Pose2 map_from_laser = poseAt(scan.stamp_ns) * base_from_laser;
+  return map_from_laser.inverse() * poseAt(end_ns) * base_from_laser;
 }
 
 void OccupancyMapperNode::onTrajectory(const nav_msgs::Path& message) {

@@ -35,9 +35,7 @@ public:
   explicit OccupancyMapperNode(ram_parameters::ParameterReader& reader);
 
 private:
-  using ScanPtr = sensor_msgs::LaserScan::ConstPtr;
-
-  void onScan(const ScanPtr& message);
+  void onScan(const sensor_msgs::LaserScan& message);
   void onTrajectory(const nav_msgs::Path& message);
   bool onDynamicMap(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
   bool onSaveMap(ram_slam_msgs::SaveMap::Request& request,
@@ -47,13 +45,13 @@ private:
   /// Maps the waiting scans whose poses are known; drops those that waited too long.
   void mapWaiting();
   /// Of the base in the map.
-  ram_slam::Pose2 poseAt(const ros::Time& stamp) const;
+  ram_slam::Pose2 poseAt(std::int64_t stamp_ns) const;
   /// The laser's pose at its last beam, seen from that at its first; the identity if tf does not
   /// reach so far.
-  ram_slam::Pose2 lastBeam(const sensor_msgs::LaserScan& message,
+  ram_slam::Pose2 lastBeam(const ram_slam::LaserScan& scan,
                            const ram_slam::Pose2& base_from_laser) const;
   /// The caller holds map_mutex_.
-  void map(const sensor_msgs::LaserScan& message);
+  void map(const ram_slam::LaserScan& scan, const std::string& frame);
   /// Forgets the map, waiting scans and transforms; the caller holds map_mutex_.
   void startAnew();
   void publishMap();
@@ -68,7 +66,8 @@ private:
   ros::NodeHandle private_node_{"~"};
   /// A scan whose pose is not known yet.
   struct Waiting {
-    ScanPtr scan;
+    ram_slam::LaserScan scan;
+    std::string frame;
     ros::SteadyTime since;
   };
 

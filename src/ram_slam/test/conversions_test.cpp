@@ -49,7 +49,7 @@ TEST(Conversions, FeatureListRoundTrip) {
   ram_slam::FeatureList list;
   list.stamp_ns = 42;
   list.features = {exampleFeature(), exampleFeature()};
-  const CheckedFeatures back = toFeatureList(toFeatureListMessage(list, "base_link"));
+  const CheckedFeatures back = toFeatureList(toFeatureListMessage(list, "base_link"), "base_link");
   ASSERT_EQ(back.list.features.size(), 2u);
   EXPECT_EQ(back.rejected_count, 0);
   EXPECT_EQ(back.list.stamp_ns, 42);
@@ -66,7 +66,7 @@ TEST(Conversions, AFeatureKeepsTheStampOfItsOwn) {
   EXPECT_EQ(toNanoseconds(message.features[0].header.stamp), 5'007'000'000);
   message.features[1].header.stamp = ros::Time();  // then the list's counts
   message.features[2].header.stamp = ros::Time(7, 0);
-  const CheckedFeatures back = toFeatureList(message);
+  const CheckedFeatures back = toFeatureList(message, "base_link");
   ASSERT_EQ(back.list.features.size(), 2u);
   EXPECT_EQ(back.list.features[0].delay_ns, 7'000'000);
   EXPECT_EQ(back.list.features[1].delay_ns, 0);
@@ -99,7 +99,7 @@ TEST(Conversions, BadFeaturesAreLeftOutAndCounted) {
   message.features[1].pose.pose.orientation.z = 0.0;
   message.features[2].pose.covariance.fill(0.0);
   message.features[3].pose.covariance[1] = 0.5;
-  const CheckedFeatures checked = toFeatureList(message);
+  const CheckedFeatures checked = toFeatureList(message, "base_link");
   EXPECT_EQ(checked.list.features.size(), 1u);
   EXPECT_EQ(checked.rejected_count, 4);
 }
@@ -108,7 +108,8 @@ TEST(Conversions, FeaturesBeyondTheMostThatAreTakenAreCounted) {  // fault F122
   ram_slam::FeatureList list;
   list.stamp_ns = 42;
   list.features = std::vector<ram_slam::Feature>(100'000, exampleFeature());
-  const CheckedFeatures checked = toFeatureList(toFeatureListMessage(list, "base_link"));
+  const CheckedFeatures checked =
+      toFeatureList(toFeatureListMessage(list, "base_link"), "base_link");
   EXPECT_GT(checked.list.features.size(), 100U);
   EXPECT_EQ(checked.list.features.size() + static_cast<std::size_t>(checked.rejected_count),
             100'000U);
@@ -130,7 +131,14 @@ TEST(Conversions, AListWithoutAStampIsRefusedWhateverItsFeaturesSay) {  // fault
   ram_slam_msgs::FeatureList message = toFeatureListMessage(list, "base_link");
   message.header.stamp = ros::Time();
   EXPECT_FALSE(message.features[0].header.stamp.isZero());
-  EXPECT_THROW(toFeatureList(message), std::invalid_argument);
+  EXPECT_THROW(toFeatureList(message, "base_link"), std::invalid_argument);
+}
+
+TEST(Conversions, FeaturesOfAnotherFrameAreRefused) {
+  ram_slam::FeatureList list;
+  list.stamp_ns = 42;
+  EXPECT_THROW(toFeatureList(toFeatureListMessage(list, "laser"), "base_link"),
+               std::invalid_argument);
 }
 
 TEST(Conversions, ScanThatIsOfNoUseIsRefused) {

@@ -51,8 +51,9 @@ struct CheckedFeatures {
   ram_slam::FeatureList list;
   int rejected_count = 0;
 };
-/// \throws std::invalid_argument if the stamp is zero
-CheckedFeatures toFeatureList(const ram_slam_msgs::FeatureList& message);
+/// \throws std::invalid_argument if they are in another frame or the stamp is zero
+CheckedFeatures toFeatureList(const ram_slam_msgs::FeatureList& message,
+                              const std::string& frame_id);
 ram_slam_msgs::FeatureList toFeatureListMessage(const ram_slam::FeatureList& list,
                                                 const std::string& frame_id);
 
