@@ -31,8 +31,6 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
       private_node_.advertiseService("optimize", &MapSmootherNode::onOptimize, this);
   undo_service_ =
       private_node_.advertiseService("undo_closure", &MapSmootherNode::onUndoClosure, this);
-  optimize_timer_ = node_.createTimer(ros::Duration(parameters_.optimize_period_s),
-                                      [this](const auto&) { optimizeIfClosed(); });
   ROS_INFO_STREAM("smoothing " << odometry_subscriber_.getTopic() << " by "
                                << scan_subscriber_.getTopic() << " into " << publisher_.getTopic());
 }
@@ -71,13 +69,13 @@ void MapSmootherNode::processWaiting() {
       if (next->scan.stamp_ns + 1000000000 < last_stamp_ns_) {
         ROS_WARN("time jumped back: smoothing starts anew");
         smoother_ = ram_slam::MapSmoother(parameters_, matchers_.matchers());
-        logged_closures_ = optimized_closures_ = 0;
-        published_corrections_ = 0;
+        logged_closures_ = 0;
       }
       smoother_.addScan(next->scan, next->base_from_laser, *next->odom_from_base);
       last_stamp_ns_ = next->scan.stamp_ns;
+      smoother_.optimizeIfDue();
       logNewClosures();
-      if (smoother_.correctionCount() != published_corrections_) publish();
+      if (smoother_.hasNews()) publish();
     } catch (const std::exception& error) {
       ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "skipped a scan: " << error.what());
     }
@@ -96,20 +94,14 @@ void MapSmootherNode::logNewClosures() {
   }
 }
 
-void MapSmootherNode::optimizeIfClosed() {
-  if (smoother_.closures().size() != optimized_closures_) optimize();
-}
-
 void MapSmootherNode::optimize() {
   smoother_.optimize();
   logNewClosures();
-  optimized_closures_ = smoother_.closures().size();
   publish();
 }
 
 void MapSmootherNode::publish() {
-  published_corrections_ = smoother_.correctionCount();
-  publisher_.publish(toPath(smoother_.trajectory(), parameters_.map_frame));
+  publisher_.publish(toPath(smoother_.tellTrajectory(), parameters_.map_frame));
 }
 
 bool MapSmootherNode::onOptimize(std_srvs::Trigger::Request& /*request*/,

@@ -33,7 +33,6 @@ private:
   bool onOptimize(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onUndoClosure(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   void processWaiting();
-  void optimizeIfClosed();
   void logNewClosures();
   void optimize();
   void publish();
@@ -44,8 +43,6 @@ private:
   ScanOdometryQueue queue_;
   std::int64_t last_stamp_ns_ = 0;
   std::size_t logged_closures_ = 0;
-  std::size_t optimized_closures_ = 0;
-  int published_corrections_ = 0;
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
   ros::Publisher publisher_;
@@ -54,7 +51,6 @@ private:
   ros::Subscriber features_subscriber_;
   ros::ServiceServer optimize_service_;
   ros::ServiceServer undo_service_;
-  ros::Timer optimize_timer_;
 };
 
 }  // namespace ram_slam_ros

@@ -127,27 +127,16 @@ private:
     }
   }
 
-  /// As MapSmootherNode does it, with the scans' stamps for the clock.
+  /// As MapSmootherNode does it.
   void smooth(const FilterStep& step) {
     smoother_->addScan(step.reading.scan, step.reading.base_from_laser, step.odom_from_base);
-    const std::int64_t stamp_ns = step.reading.stampNs();
-    const auto period_ns =
-        static_cast<std::int64_t>(parameters_.map_smoother.optimize_period_s * 1e9);
-    const bool is_new = smoother_->closures().size() != optimized_closures_;
-    if (is_new && stamp_ns >= optimized_ns_ + period_ns) {
-      smoother_->optimize();
-      optimized_closures_ = smoother_->closures().size();
-      optimized_ns_ = stamp_ns;
-      follow();
-    } else if (smoother_->correctionCount() != followed_corrections_) {
-      follow();
-    }
+    smoother_->optimizeIfDue();
+    follow();
   }
 
   void follow() {
-    if (slam_.lost()) return;
-    followed_corrections_ = smoother_->correctionCount();
-    slam_.followTrajectory(smoother_->trajectory());
+    if (slam_.lost() || !smoother_->hasNews()) return;
+    slam_.followTrajectory(smoother_->tellTrajectory());
   }
 
   void rememberLandmarks() {
@@ -216,9 +205,6 @@ private:
   ramscout_kinematics::Kinematics kinematics_;
   ram_slam::RecoveringSlam slam_;
   std::optional<ram_slam::MapSmoother> smoother_;
-  std::size_t optimized_closures_ = 0;
-  std::int64_t optimized_ns_ = 0;
-  int followed_corrections_ = 0;
   int times_lost_ = 0;
   std::optional<Pose2> start_;
   Trajectory online_;

@@ -186,9 +186,8 @@ std::optional<Pose2> SlamPipeline::wheelsAt(std::int64_t stamp_ns) const {
 }
 
 void SlamPipeline::followSmoother() {
-  if (fast_slam_.lost() || map_smoother_.correctionCount() == followed_corrections_) return;
-  followed_corrections_ = map_smoother_.correctionCount();
-  fast_slam_.followTrajectory(map_smoother_.trajectory());
+  if (fast_slam_.lost() || !map_smoother_.hasNews()) return;
+  fast_slam_.followTrajectory(map_smoother_.tellTrajectory());
 }
 
 void SlamPipeline::smooth(Results& results) {

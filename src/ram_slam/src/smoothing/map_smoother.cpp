@@ -255,6 +255,20 @@ void MapSmoother::optimize() {
   const std::vector<Pose2> refined =
       refineJointly(key_scans_, priors, parameters_.matcher, parameters_.refinement);
   for (std::size_t i = 0; i < key_scans_.size(); ++i) key_scans_[i].map_from_laser = refined[i];
+  has_news_ = true;
+  optimized_closures_ = closures_.size();
+  optimized_ns_ = scans_.back().stamp_ns;
+}
+
+void MapSmoother::optimizeIfDue() {
+  if (closures_.size() == optimized_closures_) return;
+  const auto period_ns = static_cast<std::int64_t>(parameters_.optimize_period_s * 1e9);
+  if (scans_.back().stamp_ns >= optimized_ns_ + period_ns) optimize();
+}
+
+std::vector<StampedPose2> MapSmoother::tellTrajectory() {
+  has_news_ = false;
+  return trajectory();
 }
 
 std::vector<StampedPose2> MapSmoother::trajectory() const {

@@ -148,21 +148,54 @@ TEST(MapSmoother, RecognisesAPlaceByItsFeaturesWhereverDriftHasBroughtIt) {
   }
 }
 
-TEST(MapSmoother, CountsTheClosuresThatMoveTheRobotAndNothingElse) {
+TEST(MapSmoother, HasNewsWhenAClosureMovesTheRobotAndWhenItIsOptimizedAndElseNot) {
   const std::vector<Pose2> truth = rounds(2);
   const std::vector<Pose2> odometry = drifting(truth);
   MapSmoother smoother{MapSmootherParameters()};
+  std::size_t news_count = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
     const std::size_t closure_count = smoother.closures().size();
-    const int count = smoother.correctionCount();
     smoother.addScan(scanWalls(building(), truth[i] * kMount, stamp_ns), kMount, odometry[i]);
     if (smoother.closures().size() == closure_count) {
-      EXPECT_EQ(smoother.correctionCount(), count);
+      EXPECT_FALSE(smoother.hasNews());
     }
+    if (!smoother.hasNews()) continue;
+    ++news_count;
+    EXPECT_EQ(smoother.tellTrajectory().size(), i + 1);
+    EXPECT_FALSE(smoother.hasNews());
   }
-  EXPECT_GT(smoother.correctionCount(), 0);
-  EXPECT_LE(smoother.correctionCount(), static_cast<int>(smoother.closures().size()));
+  EXPECT_GT(news_count, 0U);
+  EXPECT_LE(news_count, smoother.closures().size());
+  smoother.optimize();
+  EXPECT_TRUE(smoother.hasNews());
+}
+
+TEST(MapSmoother, IsOptimizedWhenPlacesWereRecognisedButNotTooOften) {
+  const std::vector<Pose2> truth = rounds(2);
+  const std::vector<Pose2> odometry = drifting(truth);
+  MapSmootherParameters parameters;
+  parameters.optimize_period_s = 10.0;
+  MapSmoother smoother{parameters};
+  std::size_t closures_then = 0;
+  std::int64_t last_ns = 0;
+  int count = 0;
+  smoother.optimizeIfDue();  // of nothing
+  EXPECT_FALSE(smoother.hasNews());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
+    smoother.addScan(scanWalls(building(), truth[i] * kMount, stamp_ns), kMount, odometry[i]);
+    smoother.tellTrajectory();
+    const std::size_t known = smoother.closures().size();
+    smoother.optimizeIfDue();
+    if (!smoother.hasNews()) continue;
+    EXPECT_GT(known, closures_then);
+    EXPECT_GE(stamp_ns, last_ns + 10'000'000'000);
+    closures_then = smoother.closures().size();
+    last_ns = stamp_ns;
+    ++count;
+  }
+  EXPECT_GT(count, 0);
 }
 
 TEST(MapSmoother, GivesAPoseForEachScanAtItsStamp) {

@@ -98,7 +98,6 @@ private:
   std::size_t slip_count_ = 0;
   int loop_closures_ = 0;
   int lost_count_ = 0;            ///< how often the estimator lost its place
-  int followed_corrections_ = 0;  ///< of the smoother, that the filter has followed
   std::map<std::string, int> left_out_;
 };
 

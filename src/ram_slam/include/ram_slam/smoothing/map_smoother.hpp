@@ -24,7 +24,7 @@ namespace ram_slam {
 struct MapSmootherParameters {
   std::string map_frame = "map";  ///< what the node calls the frame of the corrected trajectory
   std::string base_frame = "base_link";  ///< and of the robot's base
-  double optimize_period_s = 5.0;        ///< least time between two optimizations of the node
+  double optimize_period_s = 5.0;        ///< least time between two optimizations, by stamps
   SurfaceParameters surfaces;
   ScanMatcherParameters matcher;
   LoopSearchParameters loops;
@@ -101,13 +101,17 @@ public:
 
   /// Solves the graph of all accepted closures and aligns all key scans with each other.
   void optimize();
+  /// The same if places were recognised since the last time, and that is long enough ago.
+  void optimizeIfDue();
 
   /// The corrected pose of the base at each scan's stamp.
   std::vector<StampedPose2> trajectory() const;
 
-  /// How often a closure has moved the newest pose, by more than 3 cm or 0.01 rad, before
-  /// optimize(). Whoever follows the smoother should be told the trajectory when this has grown.
-  int correctionCount() const { return correction_count_; }
+  /// Whether whoever follows the smoother should be told the trajectory: since the last time a
+  /// closure has moved the newest pose by more than 3 cm or 0.01 rad, or optimize() was called.
+  bool hasNews() const { return has_news_; }
+  /// trajectory(), after which there is no news.
+  std::vector<StampedPose2> tellTrajectory();
 
   const std::vector<LoopClosure>& closures() const { return closures_; }
 
@@ -194,7 +198,9 @@ private:
   double closed_path_m_ = 0.0;  // of the newest key scan with a closure, or constellation search
   ConstellationMemory constellations_;
   std::deque<FeatureList> features_;  // of scans of late, in the order of their stamps
-  int correction_count_ = 0;
+  bool has_news_ = false;
+  std::size_t optimized_closures_ = 0;  ///< known when it was optimized last ...
+  std::int64_t optimized_ns_ = 0;       ///< ... at this stamp
 };
 
 }  // namespace ram_slam
