@@ -23,6 +23,10 @@ constexpr double kTryEveryPerView_m = 0.02;
 constexpr double kSamePlace_m = 0.4;
 constexpr double kSamePlace_rad = 0.15;
 constexpr double kProbation_m = 15.0;
+// A small motion that odometry did not tell and that makes the views agree: it slipped.
+constexpr double kMostSlip_m = 0.4;
+constexpr double kMostSlip_rad = 0.2;
+constexpr double kSlipContradiction = 0.04;
 // Views that contradict those of the map: the share beyond what is usual adds up over time to this
 // much [s] before the robot takes itself for lost.
 constexpr double kMostDoubt_s = 0.2;
@@ -35,6 +39,8 @@ constexpr double kQualityForTrust = 0.5;
 // Odometry that was never interrupted is trusted again when the robot has found no other place
 // within this way, or when the walls agree for so long where it leads.
 constexpr double kGiveUp_m = 20.0;
+// The same where views showed two places, but the map does not deny where odometry leads.
+constexpr double kGiveUpCarried_m = 40.0;
 constexpr std::int64_t kWallsAgreeForNs = 1'000'000'000;
 // How uncertain the pose is then.
 constexpr double kGivenUpSigma_m = 0.3;
@@ -140,7 +146,11 @@ void RecoveringSlam::update(const FeatureList& features,
   if (finding == DiscontinuityDetector::Finding::kSuspicious)
     detector_.clear();  // only what comes now counts
   if (finding == DiscontinuityDetector::Finding::kCarriedAway) {
-    loseTrack(LostReason::kDiscontinuity);
+    if (const std::optional<Pose2> slip = slipUpTo(now)) {
+      correctBy(*slip);
+    } else {
+      loseTrack(LostReason::kDiscontinuity);
+    }
   } else if (contradictsMap(now) ||
              (detector_.lost(discontinuities_.suspicious(stamp_ns_)) && !agreesWithMap(now))) {
     loseTrack(LostReason::kMapContradicts);
@@ -151,20 +161,53 @@ void RecoveringSlam::update(const FeatureList& features,
   }
 }
 
+std::optional<Pose2> RecoveringSlam::slipUpTo(const TrackedView& now) const {
+  if (discontinuities_.views().empty()) return std::nullopt;
+  const TrackedView& before = discontinuities_.views().front();
+  MapViews place;
+  place.add(before.stamp_ns, before.local_from_base, path_m_, before.view);
+  const std::vector<LocalConstellation::PlacedView> views{{{}, now.view}};
+  const Pose2 moved = place.refined(views, now.local_from_base);
+  const Pose2 slip = now.local_from_base.inverse() * moved;
+  const MapViews::Verdict verdict = place.judge(views, moved);
+  if (slip.translation().norm() > kMostSlip_m || std::abs(slip.yaw_rad) > kMostSlip_rad ||
+      verdict.compared_count == 0 || verdict.contradiction > kSlipContradiction)
+    return std::nullopt;
+  return slip;
+}
+
+void RecoveringSlam::correctBy(const Pose2& slip) {
+  local_from_base_ = local_from_base_ * slip;
+  PoseWithCovariance2 pose;
+  pose.pose = filter_.estimate().pose * slip;
+  pose.covariance =
+      Eigen::Vector3d(kResumeSigma_m, kResumeSigma_m, kResumeSigma_rad).cwiseAbs2().asDiagonal();
+  if (memories_.empty()) remember();
+  memories_.erase(memories_.begin() + 1, memories_.end());
+  filter_.setPose(pose, stamp_ns_);
+  on_probation_ = true;
+  place_was_found_ = false;
+  probation_left_m_ = kProbation_m;
+  discontinuities_.clear();
+  detector_.clear();
+  doubt_s_ = 0.0;
+}
+
 bool RecoveringSlam::contradictsMap(const TrackedView& now) {
   if (now.view == nullptr || now.stamp_ns < doubted_ns_ + kDoubtEveryNs) return false;
   const double since_s =
       std::min(static_cast<double>(now.stamp_ns - doubted_ns_) * 1e-9, kLongestDoubt_s);
   doubted_ns_ = now.stamp_ns;
-  const auto share = map_views_.watch(*now.view, filter_.estimate().pose, path_m_);
-  if (!share) return false;
-  doubt_s_ = std::max(0.0, doubt_s_ + since_s * (*share - usualContradiction()));
+  // A place that was found newly has no drift: then all views count.
+  if (on_probation_ && place_was_found_) map_views_.trustMap(path_m_);
+  const double share = map_views_.watch(*now.view, filter_.estimate().pose, path_m_).value_or(0.0);
+  doubt_s_ = std::max(0.0, doubt_s_ + since_s * (share - usualContradiction()));
   const bool landmarks_agree =
       agreement_.expected_count >= kLandmarksForTrust && agreement_.quality() >= kQualityForTrust;
   if (!on_probation_ && landmarks_agree) doubt_s_ = 0.0;
   if (doubt_s_ <= (on_probation_ ? kMostDoubt_s : kMostDoubtTracked_s)) return false;
   doubt_s_ = 0.0;
-  return on_probation_ || !isDrift(now);
+  return (on_probation_ && place_was_found_) || !isDrift(now);
 }
 
 double RecoveringSlam::usualContradiction() const {
@@ -190,7 +233,7 @@ bool RecoveringSlam::isDrift(const TrackedView& now) const {
 
 void RecoveringSlam::remember() {
   if (on_probation_) {
-    if (probation_left_m_ > 0.0) return;
+    if (probation_left_m_ > 0.0 || doubt_s_ > 0.0) return;
     on_probation_ = false;
     memories_.clear();
   }
@@ -246,7 +289,9 @@ void RecoveringSlam::search(const FeatureList& list,
     return;
   }
   if (local_.distance_m() >= next_try_m_) tryToRecover();
-  if (reason_ == LostReason::kMapContradicts && odometryIsRight(now))
+  if (!lost()) return;
+  if ((reason_ == LostReason::kMapContradicts && odometryIsRight(now)) ||
+      (reason_ == LostReason::kDiscontinuity && nothingDeniesOdometry(now)))
     resumeByOdometry(kGivenUpSigma_m, kGivenUpSigma_rad);
 }
 
@@ -254,6 +299,7 @@ void RecoveringSlam::resumeByOdometry(double sigma_m, double sigma_rad) {
   PoseWithCovariance2 pose = dead_reckoned_;
   pose.covariance = Eigen::Vector3d(sigma_m, sigma_m, sigma_rad).cwiseAbs2().asDiagonal();
   resume(pose);
+  place_was_found_ = false;
 }
 
 bool RecoveringSlam::odometryIsRight(const TrackedView& now) {
@@ -262,6 +308,13 @@ bool RecoveringSlam::odometryIsRight(const TrackedView& now) {
   const auto share = map_views_.contradiction(*now.view, dead_reckoned_.pose);
   if (!share || *share > parameters_.lost.contradiction) walls_agree_since_ns_ = now.stamp_ns;
   return now.stamp_ns >= walls_agree_since_ns_ + kWallsAgreeForNs;
+}
+
+bool RecoveringSlam::nothingDeniesOdometry(const TrackedView& now) const {
+  if (!may_be_false_alarm_ || local_.distance_m() < kGiveUpCarried_m || now.view == nullptr)
+    return false;
+  const auto share = map_views_.contradiction(*now.view, dead_reckoned_.pose);
+  return !share || *share <= parameters_.lost.contradiction;
 }
 
 void RecoveringSlam::tryToRecover() {
@@ -307,6 +360,7 @@ void RecoveringSlam::resume(const PoseWithCovariance2& map_from_base) {
   memories_.push_back({filter_, map_from_base.pose, local_from_base_, stamp_ns_});
   filter_ = std::move(moved);
   on_probation_ = true;
+  place_was_found_ = true;
   probation_left_m_ = kProbation_m;
   reason_ = LostReason::kTracking;
   disturbance_.stop();

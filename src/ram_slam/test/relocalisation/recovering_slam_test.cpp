@@ -45,10 +45,10 @@ private:
 /// A robot with a lidar that turns all round, in a room of which no part is like another.
 class Kidnapped : public testing::Test {
 protected:
-  const std::vector<Eigen::Vector2d> corners_m_{{0.0, 0.0}, {6.0, 0.0},  {6.0, -2.0}, {8.0, -2.0},
-                                                {8.0, 0.0}, {14.0, 0.0}, {14.0, 3.0}, {5.0, 3.0},
-                                                {5.0, 6.0}, {2.0, 6.0},  {2.0, 3.0},  {0.0, 3.0}};
-  const Walls walls_ = outline(corners_m_);
+  std::vector<Eigen::Vector2d> corners_m_{{0.0, 0.0}, {6.0, 0.0},  {6.0, -2.0}, {8.0, -2.0},
+                                          {8.0, 0.0}, {14.0, 0.0}, {14.0, 3.0}, {5.0, 3.0},
+                                          {5.0, 6.0}, {2.0, 6.0},  {2.0, 3.0},  {0.0, 3.0}};
+  Walls walls_ = outline(corners_m_);
   ExactOdometry odometry_;
   RecoveringSlam slam_{FastSlamParameters{}, RecoveryParameters{}};
   Pose2 truth_{1.0, 1.5, 0.0};
@@ -89,6 +89,13 @@ protected:
     drive(11.5);
     drive(-11.5);
     drive(5.0);
+  }
+
+  void carryToAnotherBuilding() {
+    corners_m_ = {{0.0, 0.0},  {9.0, 0.0}, {9.0, -4.0}, {16.0, -4.0},
+                  {16.0, 5.0}, {7.0, 5.0}, {7.0, 9.0},  {0.0, 9.0}};
+    walls_ = outline(corners_m_);
+    truth_ = {8.0, 2.0, 0.5};
   }
 
   /// The process is killed and started again from its last checkpoint; the robot drives on
@@ -181,6 +188,43 @@ TEST_F(Kidnapped, ADisturbanceEndsWhenEverythingIsAsBeforeHoweverLongItTook) {
   for (int i = 0; i < 20; ++i) look({});
   EXPECT_FALSE(slam_.lost());
   EXPECT_LT(error_m(), 0.05);
+}
+
+TEST_F(Kidnapped, OdometryThatSlippedALittleIsCorrectedAtOnce) {
+  mapTheRoom();
+  truth_ = truth_ * Pose2{0.1, 0.05, 0.15};
+  for (int i = 0; i < 40; ++i) {
+    look({kStep_m, 0.0, 0.0});
+    EXPECT_FALSE(slam_.lost());
+  }
+  EXPECT_LT(error_m(), 0.05);
+}
+
+TEST_F(Kidnapped, InAnotherBuildingItStaysLost) {
+  mapTheRoom();
+  carryToAnotherBuilding();
+  for (int i = 0; i < 20; ++i) {
+    drive(1.2);
+    drive(-1.2);
+  }
+  EXPECT_TRUE(slam_.lost());
+}
+
+TEST_F(Kidnapped, WithoutAMapToDenyItBelievesOdometryAfterALongWay) {
+  for (int i = 0; i < 100; ++i) look({});
+  carryToAnotherBuilding();
+  drive(5.0);
+  ASSERT_TRUE(slam_.lost());
+  for (double way_m = 5.0; way_m < 38.0; way_m += 2.0) {
+    drive(1.0);
+    drive(-1.0);
+  }
+  EXPECT_TRUE(slam_.lost());
+  for (int i = 0; i < 3; ++i) {
+    drive(1.0);
+    drive(-1.0);
+  }
+  EXPECT_FALSE(slam_.lost());
 }
 
 TEST_F(Kidnapped, WhileLostNoTrajectoryIsFollowed) {

@@ -105,8 +105,15 @@ private:
     std::int64_t stamp_ns = 0;
   };
   void search(const FeatureList& list, const PoseWithCovariance2& moved, const TrackedView& now);
+  /// The motion that odometry did not tell, if a small one makes this view agree with those before.
+  std::optional<Pose2> slipUpTo(const TrackedView& now) const;
+  /// Moves the robot; the map as it was before is kept for a while.
+  void correctBy(const Pose2& slip);
   /// Whether a robot that the map contradicts is where its odometry leads, after all.
   bool odometryIsRight(const TrackedView& now);
+  /// Whether a robot that was seemingly carried away was found nowhere for a long way, and may as
+  /// well be where its odometry leads.
+  bool nothingDeniesOdometry(const TrackedView& now) const;
   /// Whether views of late contradict those that the map was learned from.
   bool contradictsMap(const TrackedView& now);
   /// The share of contradiction that says nothing.
@@ -138,8 +145,9 @@ private:
   Pose2 local_from_base_;  ///< by odometry, since the start
   double path_m_ = 0.0;    ///< driven, while not lost
 
-  std::deque<Memory> memories_;  ///< oldest first
-  bool on_probation_ = false;    ///< the place is newly found: memories_ is from before
+  std::deque<Memory> memories_;   ///< oldest first
+  bool on_probation_ = false;     ///< the pose is newly set: memories_ is from before
+  bool place_was_found_ = false;  ///< that pose is of the map, not of odometry: without drift
   double probation_left_m_ = 0.0;
   MapViews map_views_;
   std::int64_t walls_agree_since_ns_ = 0;  ///< while lost, where odometry leads
