@@ -38,6 +38,7 @@ void MapToOdomPublisher::correct(std::int64_t stamp_ns, const ram_slam::Pose2& m
 
 std::optional<ram_slam::Pose2> MapToOdomPublisher::odometryBetween(std::int64_t from_ns,
                                                                    std::int64_t to_ns) const {
+  if (from_ns <= 0) return std::nullopt;
   try {
     const auto poseAt = [this](std::int64_t stamp_ns) {
       return toPose2(

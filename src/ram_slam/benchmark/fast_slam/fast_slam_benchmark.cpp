@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/relocalisation/recovering_slam.hpp"
 
 namespace ram_slam {
 namespace {
@@ -70,6 +71,27 @@ void update(benchmark::State& state) {
   state.counters["kB"] = static_cast<double>(filter.landmarkBytes()) / 1024.0;
 }
 BENCHMARK(update)->Arg(5)->Arg(100)->Unit(benchmark::kMicrosecond)->Iterations(200);
+
+/// What the filter's thread does for a checkpoint of 1,000 landmarks and the path to them; with
+/// argument 1 what the writing thread does, but for the disk.
+void checkpoint(benchmark::State& state) {
+  const Crawl fast(0.1);
+  RecoveringSlam slam{FastSlamParameters{}, RecoveryParameters{}};
+  Random random(1);
+  std::int64_t stamp_ns = 1;
+  for (double x_m = 0.0; slam.filter().best().landmarks.size() < 1000; ++stamp_ns, x_m += 0.1)
+    slam.update(seenFrom(x_m, stamp_ns, random), fast);
+  const Checkpoint kept = slam.checkpoint();
+  for (auto _ : state) {
+    if (state.range(0) == 0) {
+      benchmark::DoNotOptimize(slam.checkpoint());
+    } else {
+      benchmark::DoNotOptimize(toBytes(kept));
+    }
+  }
+  state.counters["kB"] = static_cast<double>(toBytes(kept).size()) / 1024.0;
+}
+BENCHMARK(checkpoint)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace ram_slam
