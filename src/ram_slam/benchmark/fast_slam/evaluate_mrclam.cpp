@@ -39,6 +39,8 @@ constexpr double kTurnVariance_rad2_per_s = 1e-4;
 // The recorded velocities are commands: they take effect later, and motions come out smaller.
 constexpr double kCommandDelay_s = 0.2;
 constexpr double kMotionScale = 0.935;
+// Pictures are stamped when they have been worked out: their bearings lag while a robot turns.
+constexpr double kCameraDelay_s = 0.04;
 
 std::vector<std::vector<double>> readTable(const std::string& path) {
   std::ifstream file(path);
@@ -131,7 +133,7 @@ Recording readRecording(const std::string& folder, int robot, const World& world
     recording.truth.push_back({toStamp(row[0]), {row[1], row[2], row[3]}});
   }
   for (const auto& row : readTable(prefix + "Measurement.dat")) {
-    const std::int64_t stamp_ns = toStamp(row[0]);
+    const std::int64_t stamp_ns = toStamp(row[0] - kCameraDelay_s);
     const auto subject = world.subject_of_barcode.find(static_cast<int>(row[1]));
     const bool covered =
         recording.truth.front().stamp_ns <= stamp_ns && stamp_ns <= recording.truth.back().stamp_ns;
