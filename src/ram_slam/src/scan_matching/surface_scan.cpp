@@ -123,7 +123,7 @@ SurfaceScan extractSurfaces(const LaserScan& scan,
   max_gaps_m.reserve(scan.ranges_m.size());
   const auto beam_gap = kMaxGapInBeams * static_cast<float>(std::abs(scan.angle_increment_rad));
   const Eigen::Isometry2d moved = toIsometry(exponential(twist));
-  const Eigen::Rotation2Dd turned(scan.angle_increment_rad);
+  const Eigen::Isometry2d turned(Eigen::Rotation2Dd(scan.angle_increment_rad));
   Eigen::Isometry2d first_from_beam(Eigen::Rotation2Dd(scan.angle_min_rad));
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     if (beam > 0) first_from_beam = moved * first_from_beam * turned;
