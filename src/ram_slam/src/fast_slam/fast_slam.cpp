@@ -126,8 +126,8 @@ void FastSlam::setMap(const LandmarkMap& map, const std::vector<StampedPose2>& p
     LandmarkRecord record;
     record.id = estimate.id;
     record.type = estimate.type;
-    record.classifier = estimate.classifier;
-    const DescriptorPointer looks = describe(record.type, record.classifier);
+    record.classifier = std::make_shared<const std::string>(estimate.classifier);
+    const DescriptorPointer looks = describe(record.type, estimate.classifier);
     if (looks != nullptr) record.views.push_back(looks);
     record.existence_log_odds = std::clamp(estimate.existence_log_odds, parameters_.delete_log_odds,
                                            parameters_.maximum_log_odds);

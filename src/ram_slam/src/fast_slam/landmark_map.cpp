@@ -27,7 +27,7 @@ Summary summarise(const LandmarkRecord& record,
   LandmarkEstimate& estimate = summary.estimate;
   estimate.id = record.id;
   estimate.type = record.type;
-  estimate.classifier = record.classifier;
+  estimate.classifier = *record.classifier;
   estimate.existence_log_odds = record.existence_log_odds;
   estimate.orientation_rad = record.orientation_rad;
   estimate.orientation_variance_rad2 = record.orientation_variance_rad2;

@@ -38,7 +38,7 @@ LandmarkRecord& LandmarkRegistry::create(const Feature& feature, DescriptorPoint
   LandmarkRecord record;
   record.id = next_id_++;
   record.type = feature.type;
-  record.classifier = feature.classifier;
+  record.classifier = std::make_shared<const std::string>(feature.classifier);
   if (descriptor != nullptr) record.views.push_back(std::move(descriptor));
   records_.push_back(std::move(record));
   return records_.back();

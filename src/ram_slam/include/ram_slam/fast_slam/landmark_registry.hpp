@@ -23,7 +23,8 @@ using DescriptorPointer = std::shared_ptr<const FeatureMatcher::Descriptor>;
 struct LandmarkRecord {
   LandmarkId id = 0;
   std::string type;
-  std::string classifier;                ///< of the feature that created it
+  /// Of the feature that created it; shared, because the filter is copied all the time.
+  std::shared_ptr<const std::string> classifier;
   std::int64_t placed_ns = 0;            ///< when it was first put into a map
   std::vector<DescriptorPointer> views;  ///< how it looked, from different places
   double existence_log_odds = 0.0;
