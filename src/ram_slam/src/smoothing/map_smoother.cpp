@@ -261,9 +261,11 @@ void MapSmoother::optimize() {
 }
 
 void MapSmoother::optimizeIfDue() {
-  if (closures_.size() == optimized_closures_) return;
   const auto period_ns = static_cast<std::int64_t>(parameters_.optimize_period_s * 1e9);
-  if (scans_.back().stamp_ns >= optimized_ns_ + period_ns) optimize();
+  if (scans_.empty() || scans_.back().stamp_ns < optimized_ns_ + period_ns) return;
+  // Not at the first closure of a place: those that follow it make the solution better.
+  optimized_ns_ = scans_.back().stamp_ns;
+  if (closures_.size() != optimized_closures_) optimize();
 }
 
 std::vector<StampedPose2> MapSmoother::tellTrajectory() {

@@ -101,7 +101,7 @@ public:
 
   /// Solves the graph of all accepted closures and aligns all key scans with each other.
   void optimize();
-  /// The same if places were recognised since the last time, and that is long enough ago.
+  /// Once per optimize_period_s of the scans' stamps: the same if places were recognised since.
   void optimizeIfDue();
 
   /// The corrected pose of the base at each scan's stamp.
@@ -199,8 +199,8 @@ private:
   ConstellationMemory constellations_;
   std::deque<FeatureList> features_;  // of scans of late, in the order of their stamps
   bool has_news_ = false;
-  std::size_t optimized_closures_ = 0;  ///< known when it was optimized last ...
-  std::int64_t optimized_ns_ = 0;       ///< ... at this stamp
+  std::size_t optimized_closures_ = 0;  ///< known when it was optimized last
+  std::int64_t optimized_ns_ = 0;       ///< when that was done or found needless last
 };
 
 }  // namespace ram_slam
