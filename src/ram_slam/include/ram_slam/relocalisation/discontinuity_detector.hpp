@@ -70,7 +70,7 @@ private:
   std::int64_t agreeing_since_ns_ = 0;
 };
 
-/// As above for two such views.
+/// discontinuity() of field_of_view.hpp, for two views tracked by odometry.
 std::optional<double> discontinuity(const TrackedView& before, const TrackedView& now);
 
 }  // namespace ram_slam
