@@ -11,6 +11,7 @@ namespace ram_slam {
 namespace {
 
 constexpr int kPasses = 2;
+constexpr std::size_t kMostHypotheses = 64;  // about as many are compared in one draw
 
 bool isMatched(const std::vector<Association>& associations, LandmarkId id) {
   return std::any_of(associations.begin(), associations.end(),
@@ -43,24 +44,24 @@ public:
     return !candidates_.empty();
   }
 
-  /// Decides by chance, in proportion to their likelihoods, between the alternatives of each
-  /// feature left over.
+  /// Decides by chance between the ways to pair the features left over, in proportion to their
+  /// likelihood: of each feature for itself, or of several together.
   void guess(Random& random) {
+    std::vector<std::size_t> open;
+    std::size_t count = 1;
     for (std::size_t i = 0; i < observations_.size(); ++i) {
       if (evidence_.associations[i].verdict == Verdict::kMatched) continue;
-      candidates_.clear();
-      findCandidates(i);
-      double sum = 1.0;
-      for (Candidate& candidate : candidates_) sum += std::exp(candidate.score);
-      double place = random.uniform() * sum;
-      for (const Candidate& candidate : candidates_) {
-        place -= std::exp(candidate.score);
-        if (place < 0.0) {
-          use(candidate);
-          break;
-        }
+      const std::size_t alternatives = 1 + candidatesOf(i).size();
+      const bool full = !parameters_.draw_jointly || count * alternatives > kMostHypotheses;
+      if (full && !open.empty()) {
+        draw(open, random);
+        open.clear();
+        count = 1;
       }
+      open.push_back(i);
+      count *= alternatives;
     }
+    if (!open.empty()) draw(open, random);
   }
 
   Evidence finish() {
@@ -73,23 +74,85 @@ public:
   }
 
 private:
+  /// One way to pair the features left over.
+  struct Hypothesis {
+    double score = 0.0;
+    bool confirmed = true;  ///< pairs confirmed landmarks only
+    Evidence evidence;
+  };
+
+  void draw(const std::vector<std::size_t>& open, Random& random) {
+    const double before = evidence_.log_likelihood_ratio;
+    std::vector<Hypothesis> hypotheses;
+    branch(open, 0, {0.0, true, {}}, hypotheses);
+    double best = 0.0;
+    for (const Hypothesis& hypothesis : hypotheses) best = std::max(best, hypothesis.score);
+    double sum = 0.0;
+    double confirmed_sum = 0.0;
+    for (const Hypothesis& hypothesis : hypotheses) {
+      const double likelihood = std::exp(hypothesis.score - best);
+      sum += likelihood;
+      if (hypothesis.confirmed) confirmed_sum += likelihood;
+    }
+    double place = random.uniform() * sum;
+    std::size_t drawn = 0;
+    for (; drawn + 1 < hypotheses.size(); ++drawn) {
+      place -= std::exp(hypotheses[drawn].score - best);
+      if (place < 0.0) break;
+    }
+    evidence_ = std::move(hypotheses[drawn].evidence);
+    // What was drawn has happened with its probability already: the weight is what all have.
+    // Alternatives with landmarks that are not confirmed weigh nothing.
+    if (parameters_.draw_jointly)
+      evidence_.log_likelihood_ratio = before + best + std::log(confirmed_sum);
+  }
+
+  /// All ways to pair open[depth] and those after it, each seen from the pose that the pairs before
+  /// it have corrected.
+  void branch(const std::vector<std::size_t>& open,
+              std::size_t depth,
+              const Hypothesis& above,
+              std::vector<Hypothesis>& hypotheses) {
+    if (depth == open.size()) {
+      hypotheses.push_back({above.score, above.confirmed, evidence_});
+      return;
+    }
+    for (const Candidate& candidate : candidatesOf(open[depth])) {
+      const Evidence before = evidence_;
+      use(candidate);
+      branch(
+          open, depth + 1,
+          {above.score + candidate.score, above.confirmed && prospectOf(candidate).confirmed, {}},
+          hypotheses);
+      evidence_ = before;
+    }
+    branch(open, depth + 1, above, hypotheses);
+  }
+
   /// Pairs within the gate, of features and landmarks that are still free. The column is the
   /// landmark's identifier.
   void findCandidates() {
     candidates_.clear();
     for (std::size_t i = 0; i < observations_.size(); ++i) {
-      if (evidence_.associations[i].verdict != Verdict::kMatched) findCandidates(i);
+      if (evidence_.associations[i].verdict == Verdict::kMatched) continue;
+      findCandidates(i, candidates_);
     }
   }
 
-  void findCandidates(std::size_t i) {
+  std::vector<Candidate> candidatesOf(std::size_t i) const {
+    std::vector<Candidate> candidates;
+    findCandidates(i, candidates);
+    return candidates;
+  }
+
+  void findCandidates(std::size_t i, std::vector<Candidate>& candidates) const {
     for (const Prospect& prospect : observations_[i].prospects) {
       const Landmark* landmark = landmarks_.find(prospect.id);
       if (landmark == nullptr || isMatched(evidence_.associations, prospect.id)) continue;
       const Innovation found =
           innovation(evidence_.map_from_base, *landmark, observations_[i].measured);
       if (!(found.squaredMahalanobis() < parameters_.association_gate)) continue;
-      candidates_.push_back({i, prospect.id, score(found, prospect)});
+      candidates.push_back({i, prospect.id, score(found, prospect)});
     }
   }
 
@@ -97,15 +160,19 @@ private:
     return found.logLikelihood() + prospect.log_likelihood_ratio - log_unknown_density_;
   }
 
+  const Prospect& prospectOf(const Candidate& candidate) const {
+    const std::vector<Prospect>& prospects = observations_[candidate.row].prospects;
+    return *std::find_if(prospects.begin(), prospects.end(), [&candidate](const Prospect& other) {
+      return other.id == static_cast<LandmarkId>(candidate.column);
+    });
+  }
+
   /// Matches the pair unless the corrections before it have moved it out of the gate.
   void use(const Candidate& candidate) {
-    const Observation& observation = observations_[candidate.row];
     const LandmarkId id = static_cast<LandmarkId>(candidate.column);
-    const Prospect& prospect =
-        *std::find_if(observation.prospects.begin(), observation.prospects.end(),
-                      [id](const Prospect& other) { return other.id == id; });
-    const Innovation found =
-        innovation(evidence_.map_from_base, *landmarks_.find(id), observation.measured);
+    const Prospect& prospect = prospectOf(candidate);
+    const Innovation found = innovation(evidence_.map_from_base, *landmarks_.find(id),
+                                        observations_[candidate.row].measured);
     const double squared_mahalanobis = found.squaredMahalanobis();
     if (!(squared_mahalanobis < parameters_.association_gate)) return;
     evidence_.associations[candidate.row] = {Verdict::kMatched, id};

@@ -92,6 +92,7 @@ FastSlamParameters readFastSlamParameters(ram_parameters::ParameterReader& reade
   reader.read("creation_gate", parameters.creation_gate);
   reader.read("duplicate_gate", parameters.duplicate_gate);
   reader.read("ambiguity_margin", parameters.ambiguity_margin);
+  reader.read("draw_jointly", parameters.draw_jointly);
   reader.read("unknown_feature_density", parameters.unknown_feature_density);
   reader.read("feature_noise_floor", parameters.feature_noise_floor);
   reader.read("evidence_exponent", parameters.evidence_exponent);

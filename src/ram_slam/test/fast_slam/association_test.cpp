@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/fast_slam/association.hpp"
 
+#include <cmath>
 #include <map>
 
 #include <gmock/gmock.h>
@@ -50,6 +51,42 @@ TEST(Associate, UndecidedPairsAreDrawnAsOftenAsTheyAreLikely) {
   std::map<LandmarkId, int> counts = matchesOf({2.0, 0.0025}, kDraws);
   EXPECT_NEAR(counts[0], wanted, 4.0 * std::sqrt(0.25 * kDraws));
   EXPECT_GT(counts[0] + counts[1], 0.99 * kDraws);
+}
+
+TEST(Associate, WhatWasDrawnWeighsAsMuchAsAllAlternativesTogether) {
+  // In the middle between two landmarks: each particle draws one of them, none is the better for
+  // it.
+  const std::vector<Eigen::Vector2d> landmarks_m = {{2.0, 0.02}, {2.0, -0.02}};
+  const double density = 0.05;  // unknown_feature_density
+  const double variance_m2 = 2.0 * kVariance_m2;
+  const double likelihood = std::exp(-0.5 * 4e-4 / variance_m2) / (2.0 * M_PI * variance_m2);
+  const double wanted = std::log(1.0 + 2.0 * likelihood / density);
+  FastSlamParameters parameters;
+  parameters.draw_jointly = true;
+  for (int i = 0; i < 20; ++i) {
+    const Evidence evidence = associate(observationsOf({{2.0, 0.0}}, 2), treeOf(landmarks_m), {},
+                                        parameters, Random(1, i));
+    EXPECT_NEAR(evidence.log_likelihood_ratio, wanted, 1e-9);
+  }
+}
+
+TEST(Associate, PairsThatFitTogetherAreDrawnTogether) {
+  // The first feature lies between both landmarks, the second fits the upper one alone: it gets it
+  // only if the first is not drawn without it.
+  const std::vector<Eigen::Vector2d> landmarks_m = {{2.0, -0.02}, {2.0, 0.02}};
+  const std::vector<Eigen::Vector2d> features_m = {{2.0, 0.001}, {2.0, 0.055}};
+  FastSlamParameters parameters;
+  parameters.draw_jointly = true;
+  parameters.ambiguity_margin = 1e3;  // leaves all to chance
+  int both = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Evidence evidence =
+        associate(observationsOf(features_m, 2), treeOf(landmarks_m), {}, parameters, Random(1, i));
+    both += evidence.associations[0].verdict == Verdict::kMatched &&
+            evidence.associations[0].id == 0 && evidence.associations[1].id == 1 &&
+            evidence.associations[1].verdict == Verdict::kMatched;
+  }
+  EXPECT_GE(both, 95);
 }
 
 TEST(Associate, SurePairsAreNotLeftToChance) {

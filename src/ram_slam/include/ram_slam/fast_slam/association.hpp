@@ -53,7 +53,8 @@ struct Evidence {
 /// surest first. What was uncertain is looked at again from the corrected pose; what stays
 /// uncertain is drawn by lot in proportion to the likelihoods, so that particles come to differ and
 /// later readings choose among them. (Montemerlo et al., IJCAI 2003; the weight is the product of
-/// the innovations' densities, each over the density of unknown features.) \param random  for this
+/// the innovations' densities, each over the density of unknown features; with `draw_jointly` that
+/// of pairs drawn by lot is the sum over all ways to pair them.) \param random  for this
 /// particle and reading alone
 Evidence associate(const std::vector<Observation>& observations,
                    const LandmarkTree& landmarks,

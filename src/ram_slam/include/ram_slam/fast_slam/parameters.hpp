@@ -35,7 +35,9 @@ struct FastSlamParameters {
   double duplicate_gate = 9.21;  ///< two features of one reading nearer to each other (squared
                                  ///< Mahalanobis distance) may show the same thing
   double ambiguity_margin =
-      1.0;  ///< [nat] a pairing that beats its alternatives by less is not used
+      1.0;                    ///< [nat] a pairing that beats its alternatives by less is not used
+  bool draw_jointly = false;  ///< such pairings of one reading are drawn together and weigh as much
+                              ///< as all alternatives, not one by one and as what was drawn
   double unknown_feature_density =
       0.05;                           ///< [1/m^2] of features that belong to no landmark of the map
   double feature_noise_floor = 0.03;  ///< [m] added in quadrature to what the detector states
