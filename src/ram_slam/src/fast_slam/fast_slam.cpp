@@ -14,11 +14,7 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kMemory = 0.95;            // of the running means of quality, per list
-constexpr double kFeatureDistance_m = 5.0;  // typical: turns errors of features into errors of yaw
-// A smoother goes by scans, without the errors of features: so much of them is left where the map
-// has followed one.
-constexpr double kFollowedFloor = 0.5;
+constexpr double kMemory = 0.95;  // of the running means of quality, per list
 constexpr double kSymmetryTolerance = 1e-9;
 // Landmarks younger than those of a map from a file may have been known to others.
 constexpr LandmarkId kSkippedIds = 10000;
@@ -142,7 +138,7 @@ void FastSlam::setMap(const LandmarkMap& map, const std::vector<StampedPose2>& p
   Path driven;
   for (const StampedPose2& pose : path) driven.append(pose);
   registry_ = std::move(registry);
-  follows_trajectory_ = false;
+  shared_error_.forget();
   for (Particle& particle : particles_) {
     particle.landmarks = landmarks;
     particle.path = driven;
@@ -174,6 +170,8 @@ void FastSlam::update(const FeatureList& list, const MotionModel& motion, const 
   move(moved);
   const std::vector<Observation> observations = observe(list, descriptors);
   const std::vector<Evidence> evidence = weigh(observations);
+  if (parameters_.mode == FastSlamMode::kFastSlam2)
+    coverErrors(moved.since_list.pose.translation().norm());
   if (learns) {
     learned_ns_ = stamp_ns_;
     since_learning_ = {};
@@ -302,11 +300,10 @@ std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observatio
   updateEstimate(weights);
   quality_.effective_fraction = effectiveCount(weights) / static_cast<double>(weights.size());
   rate(evidence[largest(weights)]);
-  if (version2) coverDrift();
   return evidence;
 }
 
-void FastSlam::coverDrift() {
+void FastSlam::coverErrors(double moved_m) {
   const MapDrift open = drift_;
   for (const Association& association : associations_) {
     if (association.verdict != Verdict::kMatched) continue;
@@ -317,13 +314,9 @@ void FastSlam::coverDrift() {
   drift_.cover(estimate_);
   for (LandmarkRecord& record : registry_.records())
     record.drift = drift_.bridged(record.drift, open, record.bounds_m.center());
-  estimate_.covariance = drift_.at(estimate_.pose);
-  // What features have in common from scan to scan no number of them makes smaller.
-  const double floor_m = follows_trajectory_ ? kFollowedFloor * parameters_.pose_noise_floor
-                                             : parameters_.pose_noise_floor;
-  const double floor_rad = floor_m / kFeatureDistance_m;
-  estimate_.covariance.diagonal() +=
-      Eigen::Vector3d(floor_m * floor_m, floor_m * floor_m, floor_rad * floor_rad);
+  shared_error_.move(moved_m, estimate_.pose.translation());
+  estimate_.covariance =
+      drift_.at(estimate_.pose) + shared_error_.covariance(parameters_.pose_noise_floor);
 }
 
 void FastSlam::drawPoses(const std::vector<Evidence>& evidence) {

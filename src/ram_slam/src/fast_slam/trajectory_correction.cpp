@@ -82,7 +82,10 @@ Pose2 FastSlam::followTrajectory(const Trajectory& corrected) {
     particle.path = path;
   }
   estimate_ = now * estimate_;
-  follows_trajectory_ = true;
+  Trajectory followed = corrected;
+  for (StampedPose2& stamped : followed)
+    stamped.pose = correction.mapFromCorrected() * stamped.pose;
+  shared_error_.follow(followed);
   for (LandmarkRecord& record : registry_.records()) refreshBounds(record);
   removeDuplicates();
   return correction.mapFromCorrected();

@@ -33,13 +33,13 @@ public:
   }
 };
 
-/// A drive of some seconds along x, one feature 1 m to the left of each pose.
+/// A drive along x, on by some seconds each time, one feature 1 m to the left of each pose.
 class TrajectoryCorrection : public ::testing::Test {
 protected:
   void drive(int seconds) {
     for (int i = 0; i < seconds; ++i) {
       FeatureList list;
-      list.stamp_ns = (i + 1) * kSecondNs;
+      list.stamp_ns = filter_.stamp_ns() + kSecondNs;
       list.features.resize(1);
       list.features[0].type = "pole";
       list.features[0].position_m = {0.0, 1.0};
@@ -98,6 +98,18 @@ TEST_F(TrajectoryCorrection, TheFirstPoseStaysSoThatAnotherFrameChangesNothing) 
         filter_.landmarks().landmarks[i].mean_m - map_before.landmarks[i].mean_m;
     EXPECT_LT(change_m.norm(), 1e-12);
   }
+}
+
+TEST_F(TrajectoryCorrection, ThePoseIsAsUncertainAsNewGroundMakesItUntilASmootherIsFollowed) {
+  const double floor_m = FastSlamParameters{}.pose_noise_floor;
+  drive(31);
+  const double share = 30.0 / 50.0;
+  const Eigen::Matrix3d before = filter_.estimate().covariance;
+  EXPECT_NEAR(before(0, 0), (0.25 + share * 3.75) * floor_m * floor_m, 1e-12);
+  EXPECT_NEAR(before(2, 2), before(0, 0) / 25.0, 1e-12);
+  filter_.followTrajectory(filter_.trajectory());
+  drive(1);
+  EXPECT_NEAR(filter_.estimate().covariance(1, 1), 0.25 * floor_m * floor_m, 1e-12);
 }
 
 TEST_F(TrajectoryCorrection, AStampBeyondTheCorrectionMovesWithItsEnd) {

@@ -14,6 +14,7 @@
 #include "ram_slam/fast_slam/map_drift.hpp"
 #include "ram_slam/fast_slam/parameters.hpp"
 #include "ram_slam/fast_slam/particle.hpp"
+#include "ram_slam/fast_slam/shared_error.hpp"
 #include "ram_slam/feature.hpp"
 #include "ram_slam/motion_model.hpp"
 #include "ram_slam/pose2.hpp"
@@ -66,7 +67,7 @@ public:
 
   /// Mean over all particles and what each of them was drawn from, at stamp_ns(). The covariance is
   /// that of the pose in the frame of the start: the mixture's, or what MapDrift says if that is
-  /// more (fast_slam_2).
+  /// more, and SharedError (fast_slam_2).
   const PoseWithCovariance2& estimate() const { return estimate_; }
   /// The path of the best particle, oldest pose first.
   std::vector<StampedPose2> trajectory() const { return particles_[best_].path.poses(); }
@@ -161,7 +162,8 @@ private:
   std::vector<Witness> witnesses() const;
   void updateEstimate(const std::vector<double>& weights);
   /// Makes the estimate's covariance that of a pose in the frame of the start.
-  void coverDrift();
+  /// \param moved_m  since the list before
+  void coverErrors(double moved_m);
   void resample();
   void refreshBounds(LandmarkRecord& record) const;
   void remove(LandmarkId id);
@@ -178,8 +180,8 @@ private:
   std::vector<Particle> particles_;
   std::size_t best_ = 0;
   PoseWithCovariance2 estimate_;
-  bool follows_trajectory_ = false;  ///< the map has been bent along a smoothed one
   MapDrift drift_;
+  SharedError shared_error_;
   FastSlamQuality quality_;
   std::vector<Association> associations_;
   std::int64_t stamp_ns_ = 0;

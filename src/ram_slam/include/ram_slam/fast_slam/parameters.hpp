@@ -47,8 +47,9 @@ struct FastSlamParameters {
 
   double drift_inflation = 1.0;  ///< variance of the drift over that of the motion model: how much
                                  ///< more than white noise the odometry's errors add up to
-  double pose_noise_floor = 0.01;  ///< [m] the pose is never more certain than this per axis, and
-                                   ///< its yaw than this at the distance of 5 m
+  double pose_noise_floor = 0.01;  ///< [m] what errors that features have in common leave in the
+                                   ///< pose per axis, and in its yaw at the distance of 5 m: half
+                                   ///< of it where the ground is known, up to twice on new ground
 
   double detection_probability = 0.5;         ///< that a landmark in view is found in one reading
   double false_detection_probability = 0.05;  ///< that something is found where no landmark is
