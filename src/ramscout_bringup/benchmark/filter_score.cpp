@@ -226,7 +226,7 @@ FilterScore scoreFilter(const SlamParameters& parameters,
 void print(const std::string& name, const FilterScore& s) {
   std::printf(
       "%-32s ATE %.4f m (odometry %.4f) yaw %.3f deg online %.4f m, not aligned %.4f m | NEES mean "
-      "%.1f in band %.0f %% above %.0f %% | false %.2f %% | landmarks %zu found again %zu of %zu "
+      "%.1f in band %.1f %% above %.1f %% | false %.2f %% | landmarks %zu found again %zu of %zu "
       "in "
       "free space %zu | lost %d\n",
       name.c_str(), s.ate_m, s.odometry_m, s.yaw_rad * 180.0 / M_PI, s.online_ate_m, s.online_m,
