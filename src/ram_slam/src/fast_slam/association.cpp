@@ -81,10 +81,11 @@ private:
     Evidence evidence;
   };
 
+  /// Takes one of the ways to pair these features.
   void draw(const std::vector<std::size_t>& open, Random& random) {
     const double before = evidence_.log_likelihood_ratio;
     std::vector<Hypothesis> hypotheses;
-    branch(open, 0, {0.0, true, {}}, hypotheses);
+    branch(open, 0, 0.0, true, hypotheses);
     double best = 0.0;
     for (const Hypothesis& hypothesis : hypotheses) best = std::max(best, hypothesis.score);
     double sum = 0.0;
@@ -111,22 +112,21 @@ private:
   /// it have corrected.
   void branch(const std::vector<std::size_t>& open,
               std::size_t depth,
-              const Hypothesis& above,
+              double score,
+              bool confirmed,
               std::vector<Hypothesis>& hypotheses) {
     if (depth == open.size()) {
-      hypotheses.push_back({above.score, above.confirmed, evidence_});
+      hypotheses.push_back({score, confirmed, evidence_});
       return;
     }
     for (const Candidate& candidate : candidatesOf(open[depth])) {
       const Evidence before = evidence_;
       use(candidate);
-      branch(
-          open, depth + 1,
-          {above.score + candidate.score, above.confirmed && prospectOf(candidate).confirmed, {}},
-          hypotheses);
+      branch(open, depth + 1, score + candidate.score, confirmed && prospectOf(candidate).confirmed,
+             hypotheses);
       evidence_ = before;
     }
-    branch(open, depth + 1, above, hypotheses);
+    branch(open, depth + 1, score, confirmed, hypotheses);
   }
 
   /// Pairs within the gate, of features and landmarks that are still free. The column is the
