@@ -20,6 +20,7 @@
 #include <Eigen/Geometry>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/smoothing/landmark_smoother.hpp"
 
 namespace {
 
@@ -132,6 +133,7 @@ public:
     return in_view ? Sight::kVisible : Sight::kHidden;
   }
   double range_m() const override { return kViewTo_m; }
+  bool showsEverySide() const override { return true; }  // barcodes around a cylinder
   const std::vector<Eigen::Vector2d>& surface_m() const override { return no_surface_m_; }
 
 private:
@@ -192,8 +194,6 @@ Pose2 truthAt(const std::vector<StampedPose2>& truth, std::int64_t stamp_ns) {
 }
 
 struct Score {
-  double online_ate_m =
-      0.0;             ///< of the estimate as it was known then, in the frame of the known start
   double ate_m = 0.0;  ///< of the final trajectory, aligned to the truth
   double landmark_m =
       0.0;  ///< RMSE of landmarks after the same alignment, each to the nearest true one
@@ -241,22 +241,11 @@ FastSlamParameters cameraParameters() {
   return parameters;
 }
 
-Score evaluate(const Recording& recording,
-               const World& world,
-               const FastSlamParameters& parameters,
-               const MotionModel& odometry) {
-  PoseWithCovariance2 start;
-  start.pose = truthAt(recording.truth, recording.lists.front().stamp_ns);
-  FastSlam filter(parameters, {}, start);
-  const CameraView view;
-  std::vector<double> online;
-  for (const FeatureList& list : recording.lists) {
-    filter.update(list, odometry, &view);
-    online.push_back((filter.estimate().pose.translation() -
-                      truthAt(recording.truth, list.stamp_ns).translation())
-                         .squaredNorm());
-  }
-  const std::vector<StampedPose2> trajectory = filter.trajectory();
+/// Compares a trajectory and the landmarks that go with it with the truth.
+Score judge(const Trajectory& trajectory,
+            const std::vector<LandmarkEstimate>& landmarks,
+            const Recording& recording,
+            const World& world) {
   Eigen::Matrix2Xd estimated(2, trajectory.size()), wanted(2, trajectory.size());
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     estimated.col(i) = trajectory[i].pose.translation();
@@ -268,34 +257,68 @@ Score evaluate(const Recording& recording,
     squares.push_back(
         (truth_from_map * Eigen::Vector2d(estimated.col(i)) - wanted.col(i)).squaredNorm());
   }
-  Score score;
-  for (const LandmarkEstimate& landmark : filter.landmarks().landmarks) {
-    if (landmark.existence_log_odds < parameters.confirm_log_odds) continue;
+  for (const LandmarkEstimate& landmark : landmarks) {
     double nearest = 1e9;
     for (const auto& [number, truth_m] : world.landmarks_m) {
       nearest = std::min(nearest, (truth_from_map * landmark.mean_m - truth_m).squaredNorm());
     }
     landmark_squares.push_back(nearest);
   }
-  score.online_ate_m = rms(online);
-  score.ate_m = rms(squares);
-  score.landmark_m = rms(landmark_squares);
-  score.landmark_count = landmark_squares.size();
-  return score;
+  return {rms(squares), rms(landmark_squares), landmark_squares.size()};
 }
 
-void print(const char* association, int robot, const std::vector<Score>& scores) {
-  Score mean;
-  for (const Score& score : scores) {
-    mean.online_ate_m += score.online_ate_m / static_cast<double>(scores.size());
-    mean.ate_m += score.ate_m / static_cast<double>(scores.size());
-    mean.landmark_m += score.landmark_m / static_cast<double>(scores.size());
-    mean.landmark_count += score.landmark_count;
+struct Scores {
+  double online_ate_m = 0.0;  ///< of the estimate as it was known then, in the frame of the start
+  Score filter;
+  Score smoothed;
+};
+
+Scores evaluate(const Recording& recording,
+                const World& world,
+                const FastSlamParameters& parameters,
+                const LandmarkSmootherParameters& smoothing,
+                const MotionModel& odometry) {
+  PoseWithCovariance2 start;
+  start.pose = truthAt(recording.truth, recording.lists.front().stamp_ns);
+  FastSlam filter(parameters, {}, start);
+  const CameraView view;
+  std::vector<double> online;
+  for (const FeatureList& list : recording.lists) {
+    filter.update(list, odometry, &view);
+    online.push_back((filter.estimate().pose.translation() -
+                      truthAt(recording.truth, list.stamp_ns).translation())
+                         .squaredNorm());
+  }
+  std::vector<LandmarkEstimate> landmarks;
+  for (const LandmarkEstimate& landmark : filter.landmarks().landmarks) {
+    if (landmark.existence_log_odds >= parameters.confirm_log_odds) landmarks.push_back(landmark);
+  }
+  const SmoothedLandmarks smoothed =
+      smoothLandmarks(recording.lists, odometry, filter.trajectory(), landmarks, smoothing);
+  return {rms(online), judge(filter.trajectory(), landmarks, recording, world),
+          judge(smoothed.trajectory, smoothed.map.landmarks, recording, world)};
+}
+
+void print(const char* association, int robot, const std::vector<Scores>& scores) {
+  const double share = 1.0 / static_cast<double>(scores.size());
+  Scores mean;
+  double filter_count = 0.0;
+  double smoothed_count = 0.0;
+  for (const Scores& each : scores) {
+    mean.online_ate_m += share * each.online_ate_m;
+    mean.filter.ate_m += share * each.filter.ate_m;
+    mean.filter.landmark_m += share * each.filter.landmark_m;
+    mean.smoothed.ate_m += share * each.smoothed.ate_m;
+    mean.smoothed.landmark_m += share * each.smoothed.landmark_m;
+    filter_count += share * static_cast<double>(each.filter.landmark_count);
+    smoothed_count += share * static_cast<double>(each.smoothed.landmark_count);
   }
   std::printf(
-      "robot %d  %-8s  ATE %.3f m (online, not aligned %.3f m)  landmarks %.3f m (%.1f of them)\n",
-      robot, association, mean.ate_m, mean.online_ate_m, mean.landmark_m,
-      static_cast<double>(mean.landmark_count) / static_cast<double>(scores.size()));
+      "robot %d  %-8s  ATE %.3f m (online, not aligned %.3f m)  landmarks %.3f m (%.1f of them)  "
+      "smoothed: ATE %.3f m  landmarks %.3f m (%.1f)\n",
+      robot, association, mean.filter.ate_m, mean.online_ate_m, mean.filter.landmark_m,
+      filter_count, mean.smoothed.ate_m, mean.smoothed.landmark_m, smoothed_count);
+  std::fflush(stdout);
 }
 
 }  // namespace
@@ -323,18 +346,20 @@ int main(int argc, char** argv) {
           if (unknown) feature.type = "landmark";
         }
       }
-      std::vector<Score> scores;
+      std::vector<Scores> scores;
       for (int seed = 1; seed <= seeds; ++seed) {
         FastSlamParameters parameters = cameraParameters();
+        LandmarkSmootherParameters smoothing;
         parameters.seed = seed;
         if (!unknown) {
           // Every landmark has a type of its own: whatever the distance, it is that one.
           parameters.association_gate = parameters.creation_gate = 1e6;
+          smoothing.association_gate = 1e6;
           parameters.ambiguity_margin = 0.0;
           parameters.unknown_feature_density = 1e-300;
         }
         if (argc > 3) parameters.particle_amount = std::atoi(argv[3]);
-        scores.push_back(evaluate(recording, world, parameters, odometry));
+        scores.push_back(evaluate(recording, world, parameters, smoothing, odometry));
       }
       print(association, robot, scores);
     }

@@ -77,7 +77,8 @@ FastSlam::Doubt FastSlam::doubtOf(const LandmarkRecord& record,
                                   const FieldOfView& view,
                                   const std::vector<Witness>& witnesses) const {
   // Where it was never seen from as far, it is not missed.
-  const double reach_m = std::min(view.range_m(), record.seen_within_m);
+  const double reach_m =
+      view.showsEverySide() ? view.range_m() : std::min(view.range_m(), record.seen_within_m);
   if (record.bounds_m.exteriorDistance(estimate_.pose.translation()) > reach_m) return {};
   const double missed = std::log((1.0 - parameters_.detection_probability) /
                                  (1.0 - parameters_.false_detection_probability));
@@ -92,7 +93,8 @@ FastSlam::Doubt FastSlam::doubtOf(const LandmarkRecord& record,
     const Sight sight = lookBeside(view, witness.base_from_map * from_robot_m);
     if (sight == Sight::kEmpty) {
       sum.passed += witness.count * kPassedLogOdds;
-    } else if (sight == Sight::kVisible && knownFrom(record, -from_robot_m)) {
+    } else if (sight == Sight::kVisible &&
+               (view.showsEverySide() || knownFrom(record, -from_robot_m))) {
       sum.overlooked += witness.count * missed;
     }
   }

@@ -468,6 +468,30 @@ public:
   double range_m() const override { return 10.0; }
 };
 
+/// The same of things that look alike from everywhere.
+class FullViewOfPoles : public FullView {
+public:
+  bool showsEverySide() const override { return true; }
+};
+
+TEST(FastSlam, LandmarkIsMissedFromANewSideOnlyIfItShowsEverySide) {
+  const auto evidenceAfterPassing = [](const FieldOfView& view) {
+    FastSlam filter(plain());
+    SyntheticOdometry odometry;
+    Random random(1);
+    for (int i = 1; i <= 10; ++i) {
+      odometry.add(i, {}, {}, random);
+      filter.update(oneFeature(i, {2.0, 0.0}, 1e-4), odometry, &view);
+    }
+    const double before = filter.landmarks().landmarks.front().existence_log_odds;
+    odometry.add(11, {4.0, 0.0, M_PI}, {0.0, 0.0, 0.0, 0.0, 0.0}, random);  // now from behind
+    filter.update(oneFeature(11, {0.0, 1.5}, 1e-4), odometry, &view);
+    return filter.landmarks().landmarks.front().existence_log_odds - before;
+  };
+  EXPECT_EQ(evidenceAfterPassing(FullView()), 0.0);
+  EXPECT_LT(evidenceAfterPassing(FullViewOfPoles()), -0.1);
+}
+
 TEST(FastSlam, LandmarkThatADetectorOverlooksIsDoubtedButKept) {
   FastSlam filter(plain());
   SyntheticOdometry odometry;

@@ -28,6 +28,10 @@ public:
   virtual Sight look(const Eigen::Vector2d& point_in_base_m) const = 0;
   /// Beyond this distance from the base everything is hidden.
   virtual double range_m() const = 0;
+  /// Whether landmarks show themselves to every side, as far as the view reaches: then one is
+  /// missed wherever it should be in view, not only from where it was seen before. False of
+  /// corners.
+  virtual bool showsEverySide() const { return false; }
   /// Some of the points at which the sensor saw something, spread evenly over the view; none if the
   /// sensor cannot tell.
   virtual const std::vector<Eigen::Vector2d>& surface_m() const;
