@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <Eigen/Eigenvalues>
 
@@ -83,6 +84,29 @@ ram_slam_msgs::LandmarkMap toLandmarkMapMessage(const ram_slam::LandmarkMap& map
     message.covariances.push_back(entry);
   }
   return message;
+}
+
+std::vector<LandmarkEstimate> toLandmarkEstimates(const ram_slam_msgs::LandmarkMap& message,
+                                                  const std::string& frame_id) {
+  if (message.header.frame_id != frame_id) {
+    throw std::invalid_argument("they are in '" + message.header.frame_id + "' instead of '" +
+                                frame_id + "'");
+  }
+  std::vector<LandmarkEstimate> landmarks;
+  for (const ram_slam_msgs::Landmark& entry : message.landmarks) {
+    const ram_slam::Feature feature = toFeature(entry.feature);
+    LandmarkEstimate landmark;
+    landmark.id = entry.id;
+    landmark.type = feature.type;
+    landmark.classifier = feature.classifier;
+    landmark.mean_m = feature.position_m;
+    landmark.covariance_m2 = feature.covariance_m2;
+    landmark.existence_log_odds = entry.existence_log_odds;
+    landmark.orientation_rad = feature.orientation_rad;
+    landmark.orientation_variance_rad2 = feature.orientation_variance_rad2;
+    landmarks.push_back(landmark);
+  }
+  return landmarks;
 }
 
 visualization_msgs::MarkerArray toMarkers(const ram_slam::LandmarkMap& map,

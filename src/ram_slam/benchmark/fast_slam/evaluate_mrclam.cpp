@@ -283,7 +283,10 @@ Scores evaluate(const Recording& recording,
   FastSlam filter(parameters, {}, start);
   const CameraView view;
   std::vector<double> online;
+  std::vector<FeatureStep> steps;
   for (const FeatureList& list : recording.lists) {
+    steps.push_back({list, {}});
+    if (filter.started()) steps.back().motion = odometry.motion(filter.stamp_ns(), list.stamp_ns);
     filter.update(list, odometry, &view);
     online.push_back((filter.estimate().pose.translation() -
                       truthAt(recording.truth, list.stamp_ns).translation())
@@ -294,7 +297,7 @@ Scores evaluate(const Recording& recording,
     if (landmark.existence_log_odds >= parameters.confirm_log_odds) landmarks.push_back(landmark);
   }
   const SmoothedLandmarks smoothed =
-      smoothLandmarks(recording.lists, odometry, filter.trajectory(), landmarks, smoothing);
+      smoothLandmarks(steps, filter.trajectory(), landmarks, smoothing);
   return {rms(online), judge(filter.trajectory(), landmarks, recording, world),
           judge(smoothed.trajectory, smoothed.map.landmarks, recording, world)};
 }

@@ -10,6 +10,8 @@
 #include <string>
 
 #include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <ceres/ceres.h>
 
 #include "ram_parameters/require.hpp"
@@ -96,16 +98,14 @@ struct Reading {
 
 class Smoother {
 public:
-  Smoother(const std::vector<FeatureList>& lists,
-           const MotionModel& motion,
+  Smoother(const std::vector<FeatureStep>& steps,
            const Trajectory& trajectory,
            const std::vector<LandmarkEstimate>& landmarks,
            const LandmarkSmootherParameters& parameters)
       : parameters_(parameters), landmarks_(landmarks) {
-    for (const FeatureList& list : lists) {
-      if (stamps_ns_.empty() || stamps_ns_.back() != list.stamp_ns)
-        addPose(list, motion, trajectory);
-      for (const Feature& feature : list.features) addReading(feature);
+    for (const FeatureStep& step : steps) {
+      addPose(step, trajectory);
+      for (const Feature& feature : step.list.features) addReading(feature);
     }
     for (const LandmarkEstimate& landmark : landmarks_)
       next_id_ = std::max(next_id_, landmark.id + 1);
@@ -129,23 +129,26 @@ public:
   }
 
 private:
-  void addPose(const FeatureList& list, const MotionModel& motion, const Trajectory& trajectory) {
-    if (!stamps_ns_.empty() && list.stamp_ns < stamps_ns_.back()) {
-      throw std::invalid_argument("features of " + std::to_string(list.stamp_ns) +
+  void addPose(const FeatureStep& step, const Trajectory& trajectory) {
+    const std::int64_t stamp_ns = step.list.stamp_ns;
+    if (!stamps_ns_.empty() && stamp_ns < stamps_ns_.back()) {
+      throw std::invalid_argument("features of " + std::to_string(stamp_ns) +
                                   " ns come after those of " + std::to_string(stamps_ns_.back()) +
                                   " ns");
     }
-    const std::optional<Pose2> pose = poseAt(trajectory, list.stamp_ns);
+    const std::optional<Pose2> pose = poseAt(trajectory, stamp_ns);
     if (!pose) {
-      throw std::invalid_argument("features of " + std::to_string(list.stamp_ns) +
+      throw std::invalid_argument("features of " + std::to_string(stamp_ns) +
                                   " ns are outside the trajectory");
     }
     if (!stamps_ns_.empty()) {
-      motions_.push_back(motion.motion(stamps_ns_.back(), list.stamp_ns));
+      if (!step.motion.pose.isFinite() || !step.motion.covariance.allFinite())
+        throw std::invalid_argument("a motion is not finite");
+      motions_.push_back(step.motion);
       motions_.back().covariance.diagonal() +=
           Eigen::Vector3d(kRest_m, kRest_m, kRest_rad).cwiseAbs2();
     }
-    stamps_ns_.push_back(list.stamp_ns);
+    stamps_ns_.push_back(stamp_ns);
     poses_.push_back({pose->x_m, pose->y_m, pose->yaw_rad});
   }
 
@@ -211,8 +214,8 @@ private:
     }
   }
 
-  void solve() {
-    ceres::Problem problem;
+  /// Motions, and features that are paired.
+  void fill(ceres::Problem& problem) {
     for (std::size_t i = 0; i < motions_.size(); ++i) {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<MotionError, 3, 3, 3>(new MotionError(motions_[i])),
@@ -230,6 +233,11 @@ private:
     }
     problem.AddParameterBlock(poses_.front().data(), 3);
     problem.SetParameterBlockConstant(poses_.front().data());
+  }
+
+  void solve() {
+    ceres::Problem problem;
+    fill(problem);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
@@ -242,6 +250,37 @@ private:
     if (!summary.IsSolutionUsable())
       throw std::runtime_error("landmarks not smoothed: " + summary.message);
     cost_ = summary.final_cost;
+  }
+
+  /// The landmarks' blocks of the inverse of J^T J; `seen` says which landmarks are paired.
+  void computeCovariances(const std::vector<bool>& seen) {
+    ceres::Problem problem;
+    fill(problem);
+    ceres::Problem::EvaluateOptions options;
+    for (std::size_t i = 1; i < poses_.size(); ++i)
+      options.parameter_blocks.push_back(poses_[i].data());
+    for (std::size_t j = 0; j < landmarks_.size(); ++j) {
+      if (seen[j]) options.parameter_blocks.push_back(landmarks_[j].mean_m.data());
+    }
+    ceres::CRSMatrix rows;
+    problem.Evaluate(options, nullptr, nullptr, nullptr, &rows);
+    const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> jacobian(
+        rows.num_rows, rows.num_cols, static_cast<Eigen::Index>(rows.values.size()),
+        rows.rows.data(), rows.cols.data(), rows.values.data());
+    const Eigen::SparseMatrix<double> information = jacobian.transpose() * jacobian;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(information);
+    if (solver.info() != Eigen::Success)
+      throw std::runtime_error("landmarks not smoothed: their covariance is singular");
+    auto column = static_cast<Eigen::Index>(3 * (poses_.size() - 1));
+    for (std::size_t j = 0; j < landmarks_.size(); ++j) {
+      if (!seen[j]) continue;
+      Eigen::MatrixX2d unit = Eigen::MatrixX2d::Zero(information.rows(), 2);
+      unit.middleRows<2>(column).setIdentity();
+      const Eigen::MatrixX2d inverse = solver.solve(unit);
+      const Eigen::Matrix2d block = inverse.middleRows<2>(column);
+      landmarks_[j].covariance_m2 = 0.5 * (block + block.transpose());
+      column += 2;
+    }
   }
 
   /// Pairs anew after a part of the drive was shifted, and keeps that if it agrees better: what was
@@ -337,8 +376,12 @@ private:
   }
 
   SmoothedLandmarks result() {
-    pair();
     const std::vector<double> evidence = this->evidence();
+    std::vector<bool> seen(landmarks_.size(), false);
+    for (const Reading& reading : readings_) {
+      if (reading.landmark != kNone) seen[reading.landmark] = true;
+    }
+    computeCovariances(seen);
     SmoothedLandmarks result;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const std::array<double, 3>& pose = poses_[i];
@@ -346,7 +389,7 @@ private:
     }
     result.map.stamp_ns = stamps_ns_.back();
     for (std::size_t j = 0; j < landmarks_.size(); ++j) {
-      if (evidence[j] < parameters_.least_evidence) continue;
+      if (!seen[j] || evidence[j] < parameters_.least_evidence) continue;
       landmarks_[j].existence_log_odds = evidence[j];
       result.map.landmarks.push_back(landmarks_[j]);
     }
@@ -380,14 +423,27 @@ void LandmarkSmootherParameters::validate() const {
   require(attempt_count >= 0, "attempt_count", attempt_count, ">= 0");
 }
 
-SmoothedLandmarks smoothLandmarks(const std::vector<FeatureList>& lists,
-                                  const MotionModel& motion,
+LandmarkSmootherParameters readLandmarkSmootherParameters(ram_parameters::ParameterReader& reader) {
+  LandmarkSmootherParameters parameters;
+  reader.read("reading_share", parameters.reading_share);
+  reader.read("robust_chi2", parameters.robust_chi2);
+  reader.read("association_gate", parameters.association_gate);
+  reader.read("first_deviation_m", parameters.first_deviation_m);
+  reader.read("last_deviation_m", parameters.last_deviation_m);
+  reader.read("least_evidence", parameters.least_evidence);
+  reader.read("round_count", parameters.round_count);
+  reader.read("attempt_count", parameters.attempt_count);
+  parameters.validate();
+  return parameters;
+}
+
+SmoothedLandmarks smoothLandmarks(const std::vector<FeatureStep>& steps,
                                   const Trajectory& trajectory,
                                   const std::vector<LandmarkEstimate>& landmarks,
                                   const LandmarkSmootherParameters& parameters) {
   parameters.validate();
   validate(trajectory);
-  return Smoother(lists, motion, trajectory, landmarks, parameters).run();
+  return Smoother(steps, trajectory, landmarks, parameters).run();
 }
 
 }  // namespace ram_slam

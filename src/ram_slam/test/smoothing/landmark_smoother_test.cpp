@@ -51,6 +51,19 @@ Trajectory deadReckoning(const SyntheticDrive& drive) {
   return trajectory;
 }
 
+std::vector<FeatureStep> steps(const std::vector<FeatureList>& lists, const MotionModel& odometry) {
+  std::vector<FeatureStep> steps;
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    steps.push_back({lists[i], {}});
+    if (i > 0) steps[i].motion = odometry.motion(lists[i - 1].stamp_ns, lists[i].stamp_ns);
+  }
+  return steps;
+}
+
+std::vector<FeatureStep> steps(const SyntheticDrive& drive) {
+  return steps(drive.lists, drive.odometry);
+}
+
 /// The true landmarks, each shifted by an error of this standard deviation.
 std::vector<LandmarkEstimate> roughMap(const SyntheticDrive& drive, double deviation_m) {
   Random random(7);
@@ -94,7 +107,7 @@ TEST(LandmarkSmoother, FindsTheTruthFromExactReadings) {
   for (std::size_t i = 0; i < start.size(); ++i)
     start[i].pose.x_m += 0.3 * static_cast<double>(i) / static_cast<double>(start.size());
   const SmoothedLandmarks smoothed =
-      smoothLandmarks(exact.lists, exact.odometry, start, roughMap(exact, 0.05), {});
+      smoothLandmarks(steps(exact), start, roughMap(exact, 0.05), {});
   EXPECT_LT(rmse(smoothed.trajectory, exact), 1e-4);
   EXPECT_EQ(smoothed.map.landmarks.size(), exact.landmarks_m.size());
   EXPECT_LT(worstMiss(smoothed.map, exact), 1e-4);
@@ -122,10 +135,13 @@ TEST(LandmarkSmoother, AveragesByInformation) {
   parameters.robust_chi2 = 1e6;
   parameters.least_evidence = 1e-3;
   const SmoothedLandmarks smoothed =
-      smoothLandmarks(lists, odometry, {{1, {}}, {2, {}}}, {landmark}, parameters);
+      smoothLandmarks(steps(lists, odometry), {{1, {}}, {2, {}}}, {landmark}, parameters);
   ASSERT_EQ(smoothed.map.landmarks.size(), 1U);
   EXPECT_NEAR(smoothed.map.landmarks[0].mean_m.x(), 20.1, 1e-3);
   EXPECT_NEAR(smoothed.map.landmarks[0].mean_m.y(), 0.0, 1e-3);
+  // A fifth of 1 + 1/3 is new.
+  const Eigen::Matrix2d wanted = 5.0 / (1.0 + 1.0 / 3.0) * Eigen::Matrix2d::Identity();
+  EXPECT_LT((smoothed.map.landmarks[0].covariance_m2 - wanted).norm(), 0.01);
 }
 
 TEST(LandmarkSmoother, MendsAMapWithDuplicatesGhostsAndGaps) {
@@ -134,8 +150,7 @@ TEST(LandmarkSmoother, MendsAMapWithDuplicatesGhostsAndGaps) {
   std::vector<LandmarkEstimate> landmarks = roughMap(noisy, 0.05);
   landmarks[3].mean_m += Eigen::Vector2d(9.0, 9.0);  // a ghost, and what it stood for is missing
   landmarks[12].mean_m = landmarks[13].mean_m + Eigen::Vector2d(0.05, -0.05);  // a duplicate
-  const SmoothedLandmarks smoothed =
-      smoothLandmarks(noisy.lists, noisy.odometry, start, landmarks, {});
+  const SmoothedLandmarks smoothed = smoothLandmarks(steps(noisy), start, landmarks, {});
   EXPECT_LT(rmse(smoothed.trajectory, noisy), 0.2 * rmse(start, noisy));
   EXPECT_EQ(smoothed.map.landmarks.size(), noisy.landmarks_m.size());
   EXPECT_LT(worstMiss(smoothed.map, noisy), 0.12);                // half the least distance of two
@@ -145,8 +160,7 @@ TEST(LandmarkSmoother, MendsAMapWithDuplicatesGhostsAndGaps) {
 TEST(LandmarkSmoother, GivesTheSameBytesAgain) {
   const SyntheticDrive noisy = drive(cameraNoise());
   const auto run = [&noisy] {
-    return smoothLandmarks(noisy.lists, noisy.odometry, deadReckoning(noisy), roughMap(noisy, 0.05),
-                           {});
+    return smoothLandmarks(steps(noisy), deadReckoning(noisy), roughMap(noisy, 0.05), {});
   };
   const SmoothedLandmarks first = run();
   const SmoothedLandmarks second = run();
@@ -157,29 +171,29 @@ TEST(LandmarkSmoother, GivesTheSameBytesAgain) {
 }
 
 TEST(LandmarkSmoother, RefusesWhatItCannotUse) {
-  const SyntheticDrive good = drive({});
-  const Trajectory start = deadReckoning(good);
-  const auto run = [&](const std::vector<FeatureList>& lists, const Trajectory& trajectory) {
-    return smoothLandmarks(lists, good.odometry, trajectory, {}, {});
+  const SyntheticDrive drive = ram_slam::drive({});
+  const std::vector<FeatureStep> good = steps(drive);
+  const Trajectory start = deadReckoning(drive);
+  const auto run = [](const std::vector<FeatureStep>& steps, const Trajectory& trajectory) {
+    return smoothLandmarks(steps, trajectory, {}, {});
   };
   EXPECT_TRUE(run({}, start).trajectory.empty());
-  std::vector<FeatureList> lists = good.lists;
-  std::swap(lists[3], lists[4]);
-  EXPECT_THAT([&] { run(lists, start); },
+  std::vector<FeatureStep> bad = good;
+  std::swap(bad[3], bad[4]);
+  EXPECT_THAT([&] { run(bad, start); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("come after")));
-  EXPECT_THAT([&] { run(good.lists, Trajectory(start.begin() + 1, start.end())); },
+  EXPECT_THAT([&] { run(good, Trajectory(start.begin() + 1, start.end())); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("outside the trajectory")));
-  lists = good.lists;
-  for (FeatureList& list : lists) {
-    for (Feature& feature : list.features) feature.covariance_m2.setZero();
+  bad = good;
+  for (FeatureStep& step : bad) {
+    for (Feature& feature : step.list.features) feature.covariance_m2.setZero();
   }
-  EXPECT_THAT([&] { run(lists, start); },
+  EXPECT_THAT([&] { run(bad, start); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("positive definite")));
-  lists = good.lists;
-  lists.back().stamp_ns += 1;
-  Trajectory longer = start;
-  longer.push_back({lists.back().stamp_ns, start.back().pose});
-  EXPECT_THROW(run(lists, longer), std::out_of_range);
+  bad = good;
+  bad[5].motion.pose.x_m = std::nan("");
+  EXPECT_THAT([&] { run(bad, start); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("not finite")));
 }
 
 TEST(LandmarkSmoother, RefusesParametersOutOfBounds) {

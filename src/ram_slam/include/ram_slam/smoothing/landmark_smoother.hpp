@@ -3,9 +3,10 @@
 
 #include <vector>
 
+#include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/fast_slam/landmark_map.hpp"
 #include "ram_slam/feature.hpp"
-#include "ram_slam/motion_model.hpp"
+#include "ram_slam/pose2.hpp"
 #include "ram_slam/trajectory.hpp"
 
 namespace ram_slam {
@@ -22,16 +23,28 @@ struct LandmarkSmootherParameters {
   double last_deviation_m = 0.02;  ///< to this, <= first_deviation_m
   double least_evidence = 7.0;     ///< [nat] what a landmark explains beyond what its neighbours do
   int round_count = 15;            ///< of pairing and least squares
-  int attempt_count = 60;          ///< to agree better with a part of the drive shifted, >= 0
+  int attempt_count = 100;         ///< to agree better with a part of the drive shifted, >= 0
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };
 
+/// Reads every key of LandmarkSmootherParameters. \throws std::invalid_argument for a wrong type or
+/// a value out of bounds
+LandmarkSmootherParameters readLandmarkSmootherParameters(ram_parameters::ParameterReader& reader);
+
+/// A list of features, and how odometry says that the robot got there.
+struct FeatureStep {
+  FeatureList list;
+  PoseWithCovariance2 motion;  ///< the base, seen from that of the list before; of no use in the
+                               ///< first one. The covariance may be singular.
+};
+
 struct SmoothedLandmarks {
   Trajectory trajectory;  ///< map_from_base at every list's stamp
-  /// Landmarks keep their identifiers, new ones get the next; without cross-covariances. The
-  /// existence is the evidence for the landmark: what it explains beyond what its neighbours do.
+  /// Landmarks keep their identifiers, new ones get the next. Covariances are those of the least
+  /// squares, seen from the first pose, without those of two landmarks. The existence is the
+  /// evidence for the landmark: what it explains beyond what its neighbours do.
   LandmarkMap map;
 };
 
@@ -46,15 +59,13 @@ struct SmoothedLandmarks {
 /// the neighbours of what it saw (iterated local search). The first pose stays where it is. Not for
 /// live use: all readings are gone through in every round.
 ///
-/// \param lists  in the order of their stamps, features that show one thing at most once
-/// \param trajectory  of the filter, over the time of the lists
+/// \param steps  in the order of their stamps, features that show one thing at most once
+/// \param trajectory  of the filter, over the time of the steps
 /// \param landmarks  of the filter; those without a feature in the lists are left out
-/// \throws std::invalid_argument if lists are out of order or outside the trajectory, or a feature
-/// is no good
-/// \throws std::out_of_range if the motion model does not cover the lists
+/// \throws std::invalid_argument if steps are out of order or outside the trajectory, or a feature
+/// or motion is no good
 /// \throws std::runtime_error if the solver fails
-SmoothedLandmarks smoothLandmarks(const std::vector<FeatureList>& lists,
-                                  const MotionModel& motion,
+SmoothedLandmarks smoothLandmarks(const std::vector<FeatureStep>& steps,
                                   const Trajectory& trajectory,
                                   const std::vector<LandmarkEstimate>& landmarks,
                                   const LandmarkSmootherParameters& parameters);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <ram_slam_msgs/LandmarkMap.h>
 #include <visualization_msgs/MarkerArray.h>
@@ -12,6 +13,11 @@ namespace ram_slam_ros {
 
 ram_slam_msgs::LandmarkMap toLandmarkMapMessage(const ram_slam::LandmarkMap& map,
                                                 const std::string& frame_id);
+
+/// The planar part of the landmarks. \throws std::invalid_argument if they are in another frame, or
+/// as toFeature()
+std::vector<ram_slam::LandmarkEstimate> toLandmarkEstimates(
+    const ram_slam_msgs::LandmarkMap& message, const std::string& frame_id);
 
 /// For rviz: the 2-sigma ellipse of every landmark, faint while its existence is in doubt. Replaces
 /// all earlier ones.

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "landmark_smoother_node.hpp"
+
+#include <exception>
+#include <stdexcept>
+
+#include "ram_slam/ros/conversions.hpp"
+#include "ram_slam/ros/landmark_conversions.hpp"
+#include "ram_slam/ros/occupancy_conversions.hpp"
+
+namespace ram_slam_ros {
+namespace {
+
+constexpr std::uint32_t kQueueSize = 1000;  // features go on while it smooths
+constexpr double kWarnPeriodS = 5.0;
+constexpr std::int64_t kClockSetBackNs = 1'000'000'000;
+constexpr std::int64_t kPatienceNs = 2'000'000'000;  // by the stamps of newer lists
+
+}  // namespace
+
+LandmarkSmootherNode::LandmarkSmootherNode(ram_parameters::ParameterReader& reader)
+    : kinematics_(node_) {
+  reader.read("map_frame", map_frame_);
+  reader.read("base_frame", base_frame_);
+  parameters_ = ram_slam::readLandmarkSmootherParameters(reader);
+  reader.rejectUnknown();
+  const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+  smoothed_trajectory_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, true);
+  smoothed_landmarks_ = node_.advertise<ram_slam_msgs::LandmarkMap>("smoothed_landmarks", 1, true);
+  subscribers_ = {
+      node_.subscribe("features", kQueueSize, &LandmarkSmootherNode::onFeatures, this, hints),
+      node_.subscribe("trajectory", 1, &LandmarkSmootherNode::onTrajectory, this),
+      node_.subscribe("landmarks", 1, &LandmarkSmootherNode::onLandmarks, this)};
+  smooth_service_ = private_node_.advertiseService("smooth", &LandmarkSmootherNode::onSmooth, this);
+  for (const ros::Subscriber& subscriber : subscribers_)
+    ROS_INFO_STREAM("Listening to " << subscriber.getTopic());
+}
+
+void LandmarkSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
+  try {
+    ram_slam::FeatureList list = toFeatureList(message, base_frame_).list;
+    const std::int64_t newest_ns = !waiting_.empty() ? waiting_.back().stamp_ns
+                                   : !steps_.empty() ? steps_.back().list.stamp_ns
+                                                     : list.stamp_ns;
+    if (list.stamp_ns + kClockSetBackNs < newest_ns) {
+      ROS_WARN("time jumped back: smoothing starts anew");
+      steps_.clear();
+      waiting_.clear();
+      trajectory_.clear();
+      landmarks_.clear();
+    } else if (list.stamp_ns < newest_ns) {
+      throw std::invalid_argument("they are older than those before");
+    }
+    waiting_.push_back(std::move(list));
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected features: " << error.what());
+  }
+  settle();
+}
+
+void LandmarkSmootherNode::settle() {
+  while (!waiting_.empty()) {
+    const std::int64_t stamp_ns = waiting_.front().stamp_ns;
+    ram_slam::FeatureStep step;
+    try {
+      if (!steps_.empty()) step.motion = kinematics_.motion(steps_.back().list.stamp_ns, stamp_ns);
+    } catch (const std::exception& error) {
+      if (waiting_.back().stamp_ns < stamp_ns + kPatienceNs) return;
+      ROS_WARN_STREAM_THROTTLE(kWarnPeriodS,
+                               "no motion up to some features, left out: " << error.what());
+      waiting_.pop_front();
+      continue;
+    }
+    const std::int64_t interval_ns = steps_.empty() ? 0 : stamp_ns - steps_.back().list.stamp_ns;
+    step.list = seenAtOnce(std::move(waiting_.front()), step.motion.pose, interval_ns);
+    waiting_.pop_front();
+    steps_.push_back(std::move(step));
+  }
+}
+
+void LandmarkSmootherNode::onTrajectory(const nav_msgs::Path& message) {
+  try {
+    trajectory_ = toTrajectory(message);
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected a trajectory: " << error.what());
+  }
+}
+
+void LandmarkSmootherNode::onLandmarks(const ram_slam_msgs::LandmarkMap& message) {
+  try {
+    landmarks_ = toLandmarkEstimates(message, map_frame_);
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected landmarks: " << error.what());
+  }
+}
+
+std::vector<ram_slam::FeatureStep> LandmarkSmootherNode::covered() const {
+  std::vector<ram_slam::FeatureStep> result;
+  for (const ram_slam::FeatureStep& step : steps_) {
+    if (poseAt(trajectory_, step.list.stamp_ns)) result.push_back(step);
+  }
+  return result;
+}
+
+bool LandmarkSmootherNode::onSmooth(std_srvs::Trigger::Request& /*request*/,
+                                    std_srvs::Trigger::Response& response) {
+  try {
+    settle();
+    const std::vector<ram_slam::FeatureStep> steps = covered();
+    if (steps.empty()) throw std::runtime_error("no features along a trajectory yet");
+    const ram_slam::SmoothedLandmarks smoothed =
+        ram_slam::smoothLandmarks(steps, trajectory_, landmarks_, parameters_);
+    smoothed_trajectory_.publish(toPath(smoothed.trajectory, map_frame_));
+    smoothed_landmarks_.publish(toLandmarkMapMessage(smoothed.map, map_frame_));
+    response.success = true;
+    response.message = std::to_string(smoothed.map.landmarks.size()) + " landmarks from " +
+                       std::to_string(steps.size()) + " lists";
+  } catch (const std::exception& error) {
+    response.message = error.what();
+  }
+  return true;
+}
+
+}  // namespace ram_slam_ros
