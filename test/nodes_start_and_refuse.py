@@ -15,6 +15,7 @@ import rostest
 # node type: (package, a parameter it has, a value out of its range)
 NODES = {
     "fast_slam": ("ram_slam", "particle_amount", "-1"),
+    "landmark_smoother": ("ram_slam", "reading_share", "0.0"),
     "laser_odometry": ("ram_slam", "key_scan_distance_m", "0.0"),
     "map_smoother": ("ram_slam", "key_scan_distance_m", "0.0"),
     "occupancy_mapper": ("ram_slam", "resolution", "0.0"),

@@ -104,7 +104,7 @@ public:
            const LandmarkSmootherParameters& parameters)
       : parameters_(parameters), landmarks_(landmarks) {
     for (const FeatureStep& step : steps) {
-      addPose(step, trajectory);
+      if (stamps_ns_.empty() || step.list.stamp_ns != stamps_ns_.back()) addPose(step, trajectory);
       for (const Feature& feature : step.list.features) addReading(feature);
     }
     for (const LandmarkEstimate& landmark : landmarks_)
@@ -381,7 +381,7 @@ private:
     for (const Reading& reading : readings_) {
       if (reading.landmark != kNone) seen[reading.landmark] = true;
     }
-    computeCovariances(seen);
+    if (std::count(seen.begin(), seen.end(), true) > 0) computeCovariances(seen);
     SmoothedLandmarks result;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       const std::array<double, 3>& pose = poses_[i];

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -168,6 +168,34 @@ TEST(LandmarkSmoother, GivesTheSameBytesAgain) {
   for (std::size_t i = 0; i < first.map.landmarks.size(); ++i)
     EXPECT_EQ(first.map.landmarks[i].mean_m, second.map.landmarks[i].mean_m);
   EXPECT_EQ(first.trajectory.back().pose.x_m, second.trajectory.back().pose.x_m);
+}
+
+TEST(LandmarkSmoother, TakesListsWithoutFeaturesAndListsOfOneStamp) {
+  const SyntheticDrive drive = ram_slam::drive({});
+  std::vector<FeatureStep> empty = steps(drive);
+  for (FeatureStep& step : empty) step.list.features.clear();
+  EXPECT_EQ(smoothLandmarks({empty.front()}, deadReckoning(drive), {}, {}).trajectory.size(), 1U);
+  EXPECT_TRUE(smoothLandmarks(empty, deadReckoning(drive), {}, {}).map.landmarks.empty());
+
+  // One list in two parts, as two detectors tell it.
+  std::vector<FeatureStep> halves;
+  for (const FeatureStep& step : steps(drive)) {
+    halves.insert(halves.end(), {step, step});
+    const auto count = static_cast<std::ptrdiff_t>(step.list.features.size()) / 2;
+    std::vector<Feature>& first = halves.end()[-2].list.features;
+    std::vector<Feature>& second = halves.end()[-1].list.features;
+    first.erase(first.begin() + count, first.end());
+    second.erase(second.begin(), second.begin() + count);
+    halves.back().motion = {};
+  }
+  const Trajectory start = deadReckoning(drive);
+  const std::vector<LandmarkEstimate> map = roughMap(drive, 0.05);
+  LandmarkSmootherParameters quick;
+  quick.attempt_count = 0;
+  const SmoothedLandmarks whole = smoothLandmarks(steps(drive), start, map, quick);
+  const SmoothedLandmarks halved = smoothLandmarks(halves, start, map, quick);
+  ASSERT_EQ(halved.trajectory.size(), whole.trajectory.size());
+  EXPECT_EQ(halved.trajectory.back().pose.x_m, whole.trajectory.back().pose.x_m);
 }
 
 TEST(LandmarkSmoother, RefusesWhatItCannotUse) {
