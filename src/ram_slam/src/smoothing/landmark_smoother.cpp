@@ -28,7 +28,8 @@ constexpr double kPrecision = 1e-5;  // relative change of the cost
 constexpr double kRest_m = 1e-3;     // standard deviation added to the odometry's,
 constexpr double kRest_rad = 1e-3;   // which may be 0 for a robot at rest
 constexpr double kShift_m = 0.2;     // standard deviation, per axis
-constexpr int kRoundsAfterShift = 3;
+constexpr double kLeavingOut = 0.3;  // share of the attempts
+constexpr int kRoundsAfterVarying = 3;
 constexpr double kLeastGain = 0.1;  // [nat]
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
@@ -124,7 +125,7 @@ public:
     }
     pair();
     solve();
-    for (int attempt = 0; attempt < parameters_.attempt_count; ++attempt) shift(Random(0, attempt));
+    for (int attempt = 0; attempt < parameters_.attempt_count; ++attempt) vary(Random(0, attempt));
     return result();
   }
 
@@ -283,25 +284,22 @@ private:
     }
   }
 
-  /// Pairs anew after a part of the drive was shifted, and keeps that if it agrees better: what was
-  /// seen on one visit may have been paired with the neighbours of what it was, all at once.
-  void shift(Random random) {
+  /// Leaves out a landmark, or shifts a part of the drive, pairs all anew, and keeps that if it
+  /// agrees better: a landmark may be there twice, and what was seen on one visit may have been
+  /// paired with the neighbours of what it was, all at once.
+  void vary(Random random) {
     const std::vector<std::array<double, 3>> poses = poses_;
     const std::vector<LandmarkEstimate> landmarks = landmarks_;
     const std::vector<Reading> readings = readings_;
     const double cost = cost_;
     const double before = disagreement();
-    // Parts of all lengths are as likely by order of magnitude; the first pose is fixed.
-    const auto count = static_cast<double>(poses_.size());
-    const auto begin = static_cast<std::size_t>(1.0 + random.uniform() * (count - 1.0));
-    const auto length = static_cast<std::size_t>(std::pow(count, random.uniform()));
-    const double x_m = kShift_m * random.gaussian();
-    const double y_m = kShift_m * random.gaussian();
-    for (std::size_t i = begin; i < std::min(poses_.size(), begin + length); ++i) {
-      poses_[i][0] += x_m;
-      poses_[i][1] += y_m;
+    if (random.uniform() < kLeavingOut && !landmarks_.empty()) {
+      const double place = random.uniform() * static_cast<double>(landmarks_.size());
+      landmarks_.erase(landmarks_.begin() + static_cast<std::ptrdiff_t>(place));
+    } else {
+      shift(random);
     }
-    for (int round = 0; round < kRoundsAfterShift; ++round) {
+    for (int round = 0; round < kRoundsAfterVarying; ++round) {
       pair();
       solve();
     }
@@ -312,13 +310,28 @@ private:
     cost_ = cost;
   }
 
+  /// Parts of all lengths are as likely by order of magnitude; the first pose is fixed.
+  void shift(Random& random) {
+    const auto count = static_cast<double>(poses_.size());
+    const auto begin = static_cast<std::size_t>(1.0 + random.uniform() * (count - 1.0));
+    const auto length = static_cast<std::size_t>(std::pow(count, random.uniform()));
+    const double x_m = kShift_m * random.gaussian();
+    const double y_m = kShift_m * random.gaussian();
+    for (std::size_t i = begin; i < std::min(poses_.size(), begin + length); ++i) {
+      poses_[i][0] += x_m;
+      poses_[i][1] += y_m;
+    }
+  }
+
   /// [nat] what pairing and least squares make small.
   double disagreement() const {
     const auto unpaired =
         std::count_if(readings_.begin(), readings_.end(),
                       [](const Reading& reading) { return reading.landmark == kNone; });
-    return cost_ + 0.5 * parameters_.reading_share * parameters_.association_gate *
-                       static_cast<double>(unpaired);
+    return cost_ +
+           0.5 * parameters_.reading_share * parameters_.association_gate *
+               static_cast<double>(unpaired) +
+           parameters_.least_evidence * static_cast<double>(landmarks_.size());
   }
 
   /// Removes what explains too little, the least first, and makes landmarks of what is left over.
