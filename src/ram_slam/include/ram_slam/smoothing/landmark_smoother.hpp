@@ -23,7 +23,7 @@ struct LandmarkSmootherParameters {
   double last_deviation_m = 0.02;  ///< to this, <= first_deviation_m
   double least_evidence = 7.0;     ///< [nat] what a landmark explains beyond what its neighbours do
   int round_count = 15;            ///< of pairing and least squares
-  int attempt_count = 100;         ///< to agree better with a part of the drive shifted, >= 0
+  int attempt_count = 100;         ///< to agree better by chance changes, >= 0
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
@@ -54,10 +54,10 @@ struct SmoothedLandmarks {
 /// least sum of squared Mahalanobis distances per list), and the least squares over all poses and
 /// landmarks are solved (Lu and Milios 1997; Thrun and Montemerlo, IJRR 2006) with a Cauchy kernel
 /// against wrong pairs. In between, landmarks that explain too little are removed, and some are
-/// made where enough features are left over. Last, parts of the drive are shifted at random and all
-/// is paired anew, which is kept where it agrees better: a whole visit may have been paired with
-/// the neighbours of what it saw (iterated local search). The first pose stays where it is. Not for
-/// live use: all readings are gone through in every round.
+/// made where enough features are left over. Last, landmarks are left out or parts of the drive
+/// shifted at random, and all is paired anew, which is kept where it agrees better: a whole visit
+/// may have been paired with the neighbours of what it saw (iterated local search). The first pose
+/// stays where it is. Not for live use: all readings are gone through in every round.
 ///
 /// \param steps  in the order of their stamps (several sensors' lists may share one), features that
 /// show one thing at most once \param trajectory  of the filter, over the time of the steps \param
