@@ -19,6 +19,8 @@
 #include "ram_slam/fast_slam/landmark.hpp"
 #include "ram_slam/random.hpp"
 
+#include "least_squares.hpp"
+
 namespace ram_slam {
 namespace {
 
@@ -239,18 +241,7 @@ private:
   void solve() {
     ceres::Problem problem;
     fill(problem);
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-    options.max_num_iterations = kMostIterations;
-    options.num_threads = 1;
-    options.function_tolerance = kPrecision;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    if (!summary.IsSolutionUsable())
-      throw std::runtime_error("landmarks not smoothed: " + summary.message);
-    cost_ = summary.final_cost;
+    cost_ = solveLeastSquares(problem, kMostIterations, kPrecision, "landmarks not smoothed");
   }
 
   /// The landmarks' blocks of the inverse of J^T J; `seen` says which landmarks are paired.

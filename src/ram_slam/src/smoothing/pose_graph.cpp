@@ -14,6 +14,8 @@
 #include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 
+#include "least_squares.hpp"
+
 namespace ram_slam {
 namespace {
 
@@ -143,18 +145,7 @@ std::vector<Pose2> solve(const std::vector<PoseEdge>& edges,
   problem.AddParameterBlock(poses.front().data(), 3);
   problem.SetParameterBlockConstant(poses.front().data());
 
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  // As fast as SuiteSparse at this size, and without the threads of its BLAS.
-  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-  options.max_num_iterations = max_iterations;
-  options.num_threads = 1;
-  options.function_tolerance = function_tolerance;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  if (!summary.IsSolutionUsable())
-    throw std::runtime_error("pose graph not solved: " + summary.message);
+  solveLeastSquares(problem, max_iterations, function_tolerance, "pose graph not solved");
 
   std::vector<Pose2> solution;
   for (const Parameters& pose : poses) solution.push_back({pose[0], pose[1], wrapAngle(pose[2])});

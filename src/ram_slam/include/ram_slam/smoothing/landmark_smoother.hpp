@@ -60,10 +60,12 @@ struct SmoothedLandmarks {
 /// stays where it is. Not for live use: all readings are gone through in every round.
 ///
 /// \param steps  in the order of their stamps (several sensors' lists may share one), features that
-/// show one thing at most once \param trajectory  of the filter, over the time of the steps \param
-/// landmarks  of the filter; those without a feature in the lists are left out \throws
-/// std::invalid_argument if steps are out of order or outside the trajectory, or a feature or
-/// motion is no good \throws std::runtime_error if the solver fails
+///   show one thing at most once
+/// \param trajectory  of the filter, over the time of the steps
+/// \param landmarks  of the filter; those without a feature in the lists are left out
+/// \throws std::invalid_argument if steps are out of order or outside the trajectory, or a feature
+///   or motion is no good
+/// \throws std::runtime_error if the solver fails
 SmoothedLandmarks smoothLandmarks(const std::vector<FeatureStep>& steps,
                                   const Trajectory& trajectory,
                                   const std::vector<LandmarkEstimate>& landmarks,
