@@ -112,10 +112,18 @@ ParameterReader ParameterReader::section(const std::string& key) {
 }
 
 void ParameterReader::rejectUnknown() const {
-  if (!values_.IsDefined() || !values_.IsMap()) return;
-  for (const auto& entry : values_) {
-    const std::string key = entry.first.Scalar();
+  if (values_.IsDefined() && values_.IsMap()) rejectUnknown(values_, "");
+}
+
+void ParameterReader::rejectUnknown(const YAML::Node& map, const std::string& path) const {
+  for (const auto& entry : map) {
+    const std::string key = path + entry.first.Scalar();
     if (known_keys_.count(key) != 0) continue;
+    const auto within = known_keys_.lower_bound(key + "/");
+    if (within != known_keys_.end() && within->compare(0, key.size() + 1, key + "/") == 0) {
+      if (entry.second.IsMap()) rejectUnknown(entry.second, key + "/");
+      continue;
+    }
     const auto nearest = std::min_element(
         known_keys_.begin(), known_keys_.end(),
         [&](const auto& a, const auto& b) { return editDistance(a, key) < editDistance(b, key); });
@@ -127,8 +135,18 @@ void ParameterReader::rejectUnknown() const {
 
 YAML::Node ParameterReader::find(const std::string& key) {
   known_keys_.insert(key);
-  if (!values_.IsDefined() || !values_.IsMap()) return YAML::Node(YAML::NodeType::Undefined);
-  return std::as_const(values_)[key];
+  YAML::Node node = values_;
+  for (std::size_t begin = 0; begin <= key.size();) {
+    if (!node.IsDefined() || node.IsNull()) break;
+    if (!node.IsMap()) fail(key.substr(0, begin - 1), node, "a map");
+    const std::size_t end = std::min(key.find('/', begin), key.size());
+    const YAML::Node next = std::as_const(node)[key.substr(begin, end - begin)];
+    if (!next.IsDefined()) break;
+    node.reset(next);
+    if (end == key.size()) return node;
+    begin = end + 1;
+  }
+  return YAML::Node(YAML::NodeType::Undefined);
 }
 
 void ParameterReader::fail(const std::string& key,

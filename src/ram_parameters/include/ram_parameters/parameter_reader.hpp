@@ -14,7 +14,7 @@ namespace ram_parameters {
 /// An absent key keeps the default that the caller passes in. A wrong type throws at once;
 /// rejectUnknown() throws for a key that nobody read. An integer is accepted where a double is
 /// wanted, a fraction is not where an integer is; a quoted number is a string. Every error names
-/// the source, the key, the value and what was wanted.
+/// the source, the key, the value and what was wanted. A key "a/b" is the key "b" of the map "a".
 class ParameterReader {
 public:
   /// \param values  a map, or null for "everything at its default"
@@ -22,7 +22,7 @@ public:
   /// \throws std::invalid_argument if `values` is neither a map nor null
   ParameterReader(const YAML::Node& values, std::string source);
 
-  /// Whether the key is present; counts as read.
+  /// Whether the key is present; it counts as read, and so does all that is in it.
   bool has(const std::string& key);
 
   /// Overwrites `value` if the key is present. \throws std::invalid_argument on a wrong type or a
@@ -43,6 +43,7 @@ public:
   void rejectUnknown() const;
 
 private:
+  void rejectUnknown(const YAML::Node& map, const std::string& path) const;
   /// The key's node, or an undefined one.
   YAML::Node find(const std::string& key);
   [[noreturn]] void fail(const std::string& key, const YAML::Node& node, const char* wanted) const;
