@@ -7,7 +7,7 @@
 
 #include <ros/console.h>
 
-#include "ram_slam/atomic_file.hpp"
+#include "ram_slam/io/atomic_file.hpp"
 
 namespace ram_slam_ros {
 namespace {

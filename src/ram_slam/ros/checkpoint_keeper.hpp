@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "ram_slam/relocalisation/checkpoint.hpp"
+#include "ram_slam/tracking/checkpoint.hpp"
 
 namespace ram_slam_ros {
 

@@ -8,7 +8,7 @@
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <ros/ros.h>
 
-#include "ram_slam/relocalisation/recovering_slam.hpp"
+#include "ram_slam/tracking/recovering_slam.hpp"
 
 namespace ram_slam_ros {
 

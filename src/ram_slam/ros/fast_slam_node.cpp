@@ -9,7 +9,7 @@
 #include <nav_msgs/Path.h>
 #include <std_msgs/Bool.h>
 
-#include "ram_slam/atomic_file.hpp"
+#include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/landmark_conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"

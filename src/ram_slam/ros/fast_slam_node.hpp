@@ -23,8 +23,8 @@
 #include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/fast_slam/gap_bridge.hpp"
-#include "ram_slam/relocalisation/recovering_slam.hpp"
+#include "ram_slam/motion/gap_bridge.hpp"
+#include "ram_slam/tracking/recovering_slam.hpp"
 
 #include "checkpoint_keeper.hpp"
 #include "fast_slam_diagnostics.hpp"

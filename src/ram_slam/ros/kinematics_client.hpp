@@ -3,7 +3,7 @@
 
 #include <ros/ros.h>
 
-#include "ram_slam/motion_model.hpp"
+#include "ram_slam/motion/motion_model.hpp"
 
 namespace ram_slam_ros {
 

@@ -9,7 +9,7 @@
 #include <sensor_msgs/LaserScan.h>
 #include <tf2_ros/buffer.h>
 
-#include "ram_slam/fast_slam/field_of_view.hpp"
+#include "ram_slam/sensing/field_of_view.hpp"
 
 namespace ram_slam_ros {
 

@@ -11,7 +11,7 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_broadcaster.h>
 
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 
 namespace ram_slam_ros {
 

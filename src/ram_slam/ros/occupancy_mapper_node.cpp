@@ -6,7 +6,7 @@
 #include <exception>
 #include <filesystem>
 
-#include "ram_slam/atomic_file.hpp"
+#include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/occupancy/map_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/mounting.hpp"

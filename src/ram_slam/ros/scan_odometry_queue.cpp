@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/mounting.hpp"
-#include "ram_slam/trajectory.hpp"
 
 namespace ram_slam_ros {
 namespace {

@@ -12,8 +12,8 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam_ros {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "ram_slam/atomic_file.hpp"
+#include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
 #include "ram_slam/world_map/world_map_file.hpp"

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam_ros {
 namespace {

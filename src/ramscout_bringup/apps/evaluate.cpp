@@ -11,7 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "ram_slam/atomic_file.hpp"
+#include "ram_slam/io/atomic_file.hpp"
 #include "ramscout_bringup/evaluation.hpp"
 
 namespace {

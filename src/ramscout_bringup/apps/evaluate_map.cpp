@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "ram_slam/atomic_file.hpp"
+#include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/occupancy/map_file.hpp"
 #include "ramscout_bringup/evaluation.hpp"
 #include "ramscout_bringup/map_quality.hpp"

@@ -17,7 +17,7 @@
 #include <ros/package.h>
 #include <sys/resource.h>
 
-#include "ram_slam/atomic_file.hpp"
+#include "ram_slam/io/atomic_file.hpp"
 #include "ramscout_bringup/carmen_recording.hpp"
 #include "ramscout_bringup/slam_pipeline.hpp"
 

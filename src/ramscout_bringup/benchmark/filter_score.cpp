@@ -9,8 +9,8 @@
 #include <optional>
 
 #include <Eigen/LU>
-#include <ram_slam/relocalisation/recovering_slam.hpp>
 #include <ram_slam/smoothing/map_smoother.hpp>
+#include <ram_slam/tracking/recovering_slam.hpp>
 #include <ramscout_feature_detector/corner_matcher.hpp>
 #include <ramscout_kinematics/kinematics.hpp>
 

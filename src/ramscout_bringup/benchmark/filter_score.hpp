@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include <ram_slam/feature.hpp>
-#include <ram_slam/laser_scan.hpp>
-#include <ram_slam/trajectory.hpp>
+#include <ram_slam/geometry/trajectory.hpp>
+#include <ram_slam/landmarks/feature.hpp>
+#include <ram_slam/sensing/laser_scan.hpp>
 
 #include "ramscout_bringup/slam_pipeline.hpp"
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <stdexcept>
 
-#include <ram_slam/fast_slam/field_of_view.hpp>
+#include <ram_slam/sensing/field_of_view.hpp>
 #include <ramscout_feature_detector/corner_matcher.hpp>
 
 namespace ramscout_bringup {

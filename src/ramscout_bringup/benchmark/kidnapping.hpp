@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <ram_slam/relocalisation/recovering_slam.hpp>
 #include <ram_slam/scan_matching/laser_odometry.hpp>
+#include <ram_slam/tracking/recovering_slam.hpp>
 #include <ramscout_feature_detector/feature_detector.hpp>
 #include <ramscout_kinematics/kinematics.hpp>
 

@@ -4,9 +4,9 @@
 #include <deque>
 #include <string>
 
-#include <ram_slam/laser_scan.hpp>
-#include <ram_slam/pose2.hpp>
-#include <ram_slam/trajectory.hpp>
+#include <ram_slam/geometry/pose2.hpp>
+#include <ram_slam/geometry/trajectory.hpp>
+#include <ram_slam/sensing/laser_scan.hpp>
 #include <ramscout_sim/simulation.hpp>
 
 namespace ramscout_bringup {

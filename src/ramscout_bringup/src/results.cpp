@@ -3,7 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "ram_slam/atomic_file.hpp"
+#include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/occupancy/map_file.hpp"
 #include "ramscout_bringup/picture.hpp"
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "ram_slam/calibration/mount_calibration.hpp"
-#include "ram_slam/trajectory.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
 #include "ramscout_bringup/evaluation.hpp"
 #include "ramscout_feature_detector/corner_matcher.hpp"
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ramscout_feature_detector {
 

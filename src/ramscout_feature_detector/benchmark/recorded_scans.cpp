@@ -20,7 +20,7 @@
 #include <fstream>
 #include <iostream>
 
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
 #include "ramscout_feature_detector/corner_matcher.hpp"
 #include "ramscout_feature_detector/edge_detector.hpp"
 #include "ramscout_feature_detector/edge_matcher.hpp"

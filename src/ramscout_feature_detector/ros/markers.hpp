@@ -5,8 +5,8 @@
 #include <visualization_msgs/Marker.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "ram_slam/feature.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/landmarks/feature.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
 
 namespace ramscout_feature_detector_ros {

@@ -11,9 +11,9 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/ros/mounting.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ramscout_feature_detector_ros {
 

@@ -5,7 +5,7 @@
 #include <bitset>
 #include <cmath>
 
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 
 #include "base64_cells.hpp"
 #include "polar_sampling.hpp"

@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 #include "ramscout_feature_detector/polar_grid.hpp"
 
 namespace ramscout_feature_detector {

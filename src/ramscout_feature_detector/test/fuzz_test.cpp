@@ -2,7 +2,7 @@
 // A short fixed run of what the fuzzers try for hours.
 #include <gtest/gtest.h>
 
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
 
 #include "fuzz_targets.hpp"
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <pluginlib/class_loader.hpp>
 
-#include "ram_slam/feature_matcher.hpp"
+#include "ram_slam/landmarks/feature_matcher.hpp"
 
 namespace {
 

@@ -9,9 +9,9 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/geometry/random.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ramscout_feature_detector {
 

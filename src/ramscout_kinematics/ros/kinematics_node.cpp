@@ -5,7 +5,7 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
 #include "ram_slam/ros/conversions.hpp"
 
 #include "service_conversions.hpp"
@@ -35,7 +35,9 @@ bool answerOrFail(const char* service, const Answer& answer) {
     answer();
     return true;
   } catch (const ramscout_kinematics::OdometryUnavailable& error) {
-    if (error.reason == ramscout_kinematics::Unavailable::kNotYetAvailable) {  // a client ahead of the odometry: it will ask again
+    if (error.reason ==
+        ramscout_kinematics::Unavailable::kNotYetAvailable) {  // a client ahead of the odometry: it
+                                                               // will ask again
       ROS_DEBUG_STREAM(service << " refused: " << error.what());
     } else {
       ROS_WARN_STREAM_THROTTLE(1.0, service << " refused: " << error.what());

@@ -11,7 +11,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
 
 #include "check.hpp"
 

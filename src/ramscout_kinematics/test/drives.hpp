@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
 #include "ramscout_kinematics/kinematics.hpp"
 
 namespace ramscout_kinematics {

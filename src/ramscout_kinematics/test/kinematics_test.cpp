@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
 #include "ramscout_kinematics/differential_drive.hpp"
 
 #include "drives.hpp"

@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
-#include "ram_slam/relocalisation/recovering_slam.hpp"
+#include "ram_slam/tracking/recovering_slam.hpp"
 
 namespace ram_slam {
 namespace {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "ram_slam/trajectory.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
 
 namespace ram_slam {
 namespace {

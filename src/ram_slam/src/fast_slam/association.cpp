@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ram_slam/fast_slam/assignment.hpp"
+#include "ram_slam/landmarks/assignment.hpp"
 
 namespace ram_slam {
 namespace {

@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "ram_slam/fast_slam/resampling.hpp"
-#include "ram_slam/trajectory.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
 
 namespace ram_slam {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 
 namespace ram_slam {
 namespace {

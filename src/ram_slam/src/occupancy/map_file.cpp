@@ -11,7 +11,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "ram_slam/atomic_file.hpp"
+#include "ram_slam/io/atomic_file.hpp"
 
 namespace ram_slam {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "ram_slam/beam_finder.hpp"
+#include "ram_slam/sensing/beam_finder.hpp"
 
 namespace ram_slam {
 namespace {

@@ -15,9 +15,9 @@
 #include <ceres/ceres.h>
 
 #include "ram_parameters/require.hpp"
-#include "ram_slam/fast_slam/assignment.hpp"
-#include "ram_slam/fast_slam/landmark.hpp"
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
+#include "ram_slam/landmarks/assignment.hpp"
+#include "ram_slam/landmarks/landmark.hpp"
 
 #include "least_squares.hpp"
 

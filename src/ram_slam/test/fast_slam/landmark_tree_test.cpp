@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
 
 namespace ram_slam {
 namespace {

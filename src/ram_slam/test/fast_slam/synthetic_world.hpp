@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "ram_slam/feature.hpp"
-#include "ram_slam/motion_model.hpp"
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
+#include "ram_slam/landmarks/feature.hpp"
+#include "ram_slam/motion/motion_model.hpp"
 
 namespace ram_slam {
 

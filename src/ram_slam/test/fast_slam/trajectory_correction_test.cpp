@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
-#include "ram_slam/trajectory.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
 
 namespace ram_slam {
 namespace {

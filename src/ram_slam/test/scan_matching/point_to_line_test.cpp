@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "ram_slam/beam_finder.hpp"
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
+#include "ram_slam/sensing/beam_finder.hpp"
 
 #include "walls.hpp"
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/geometry/random.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam {
 

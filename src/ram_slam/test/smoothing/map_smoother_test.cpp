@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
 
 #include "../scan_matching/walls.hpp"
 

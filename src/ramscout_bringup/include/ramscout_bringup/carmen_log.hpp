@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 #include "ramscout_bringup/recording.hpp"
 
 namespace ramscout_bringup {

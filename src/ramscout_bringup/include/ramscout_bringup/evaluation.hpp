@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 #include "ramscout_bringup/trajectory_file.hpp"
 
 namespace ramscout_bringup {

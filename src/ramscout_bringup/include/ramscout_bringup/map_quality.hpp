@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/occupancy/occupancy_grid.hpp"
-#include "ram_slam/pose2.hpp"
 #include "ramscout_bringup/evaluation.hpp"
 
 namespace ramscout_bringup {

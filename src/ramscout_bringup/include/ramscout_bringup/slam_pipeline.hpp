@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "ram_slam/calibration/stamp_offset.hpp"
-#include "ram_slam/fast_slam/gap_bridge.hpp"
+#include "ram_slam/motion/gap_bridge.hpp"
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
-#include "ram_slam/relocalisation/recovering_slam.hpp"
 #include "ram_slam/scan_matching/laser_odometry.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
+#include "ram_slam/tracking/recovering_slam.hpp"
 #include "ramscout_bringup/recording.hpp"
 #include "ramscout_bringup/results.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
@@ -97,7 +97,7 @@ private:
   std::size_t list_count_ = 0;  ///< of features: readings that the filter was shown
   std::size_t slip_count_ = 0;
   int loop_closures_ = 0;
-  int lost_count_ = 0;            ///< how often the estimator lost its place
+  int lost_count_ = 0;  ///< how often the estimator lost its place
   std::map<std::string, int> left_out_;
 };
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "ram_slam/trajectory.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
 
 namespace ramscout_bringup {
 

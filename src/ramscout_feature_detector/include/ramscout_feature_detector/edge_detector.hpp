@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "ram_slam/feature.hpp"
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/landmarks/feature.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 #include "ramscout_feature_detector/edge.hpp"
 
 namespace ramscout_feature_detector {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 #include "ramscout_feature_detector/contour.hpp"
 #include "ramscout_feature_detector/edge.hpp"
 #include "ramscout_feature_detector/segmentation.hpp"

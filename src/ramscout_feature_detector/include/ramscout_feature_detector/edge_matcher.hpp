@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "ram_slam/feature_matcher.hpp"
+#include "ram_slam/landmarks/feature_matcher.hpp"
 
 namespace ramscout_feature_detector {
 

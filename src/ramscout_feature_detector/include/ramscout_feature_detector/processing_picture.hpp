@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
 
 namespace ramscout_feature_detector {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 #include "ramscout_feature_detector/contour.hpp"
 #include "ramscout_feature_detector/parameters.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 #include "ramscout_feature_detector/polar_grid.hpp"
 
 namespace ramscout_feature_detector {

@@ -10,8 +10,8 @@
 #include <Eigen/Core>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/motion_model.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/motion/motion_model.hpp"
 #include "ramscout_kinematics/drive_model.hpp"
 #include "ramscout_kinematics/odometry_buffer.hpp"
 

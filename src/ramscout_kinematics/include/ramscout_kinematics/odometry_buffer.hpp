@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 
 namespace ramscout_kinematics {
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "ram_slam/fast_slam/landmark.hpp"
 #include "ram_slam/fast_slam/landmark_tree.hpp"
 #include "ram_slam/fast_slam/parameters.hpp"
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
+#include "ram_slam/landmarks/landmark.hpp"
 
 namespace ram_slam {
 

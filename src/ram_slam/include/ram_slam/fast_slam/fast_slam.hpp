@@ -7,18 +7,18 @@
 #include <vector>
 
 #include "ram_slam/fast_slam/association.hpp"
-#include "ram_slam/fast_slam/field_of_view.hpp"
-#include "ram_slam/fast_slam/landmark_map.hpp"
 #include "ram_slam/fast_slam/landmark_registry.hpp"
 #include "ram_slam/fast_slam/landmark_tree.hpp"
 #include "ram_slam/fast_slam/map_drift.hpp"
 #include "ram_slam/fast_slam/parameters.hpp"
 #include "ram_slam/fast_slam/particle.hpp"
 #include "ram_slam/fast_slam/shared_error.hpp"
-#include "ram_slam/feature.hpp"
-#include "ram_slam/motion_model.hpp"
-#include "ram_slam/pose2.hpp"
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/geometry/random.hpp"
+#include "ram_slam/landmarks/feature.hpp"
+#include "ram_slam/landmarks/landmark_map.hpp"
+#include "ram_slam/motion/motion_model.hpp"
+#include "ram_slam/sensing/field_of_view.hpp"
 
 namespace ram_slam {
 

@@ -10,8 +10,8 @@
 #include <Eigen/Geometry>
 
 #include "ram_slam/fast_slam/landmark_tree.hpp"
-#include "ram_slam/feature.hpp"
-#include "ram_slam/feature_matcher.hpp"
+#include "ram_slam/landmarks/feature.hpp"
+#include "ram_slam/landmarks/feature_matcher.hpp"
 
 namespace ram_slam {
 

@@ -10,7 +10,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "ram_slam/fast_slam/landmark.hpp"
+#include "ram_slam/landmarks/landmark.hpp"
 
 namespace ram_slam {
 

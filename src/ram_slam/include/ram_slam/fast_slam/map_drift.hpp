@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 
 namespace ram_slam {
 

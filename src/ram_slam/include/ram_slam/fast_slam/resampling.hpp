@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "ram_slam/random.hpp"
+#include "ram_slam/geometry/random.hpp"
 
 namespace ram_slam {
 

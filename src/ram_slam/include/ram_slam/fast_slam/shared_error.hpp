@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "ram_slam/pose2.hpp"
-#include "ram_slam/trajectory.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
 
 namespace ram_slam {
 

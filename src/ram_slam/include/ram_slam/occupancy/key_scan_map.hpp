@@ -5,11 +5,11 @@
 #include <deque>
 #include <optional>
 
-#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
 #include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
-#include "ram_slam/pose2.hpp"
-#include "ram_slam/trajectory.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam {
 

@@ -6,11 +6,11 @@
 #include <map>
 #include <vector>
 
-#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/occupancy/occupancy_grid.hpp"
 #include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
 #include "ram_slam/occupancy/scan_footprint.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam {
 

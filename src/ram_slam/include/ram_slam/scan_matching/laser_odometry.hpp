@@ -9,10 +9,10 @@
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/calibration/wheel_bias.hpp"
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam {
 

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/scan_matching/point_to_line.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
 

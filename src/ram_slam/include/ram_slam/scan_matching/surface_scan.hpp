@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ram_slam/laser_scan.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam {
 

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "ram_slam/feature.hpp"
-#include "ram_slam/relocalisation/constellation.hpp"
-#include "ram_slam/relocalisation/local_constellation.hpp"
+#include "ram_slam/landmarks/constellation.hpp"
+#include "ram_slam/landmarks/feature.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"
+#include "ram_slam/tracking/local_constellation.hpp"
 
 namespace ram_slam {
 

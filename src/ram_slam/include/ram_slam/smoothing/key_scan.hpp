@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
 
 namespace ram_slam {

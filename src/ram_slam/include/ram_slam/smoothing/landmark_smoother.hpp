@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/fast_slam/landmark_map.hpp"
-#include "ram_slam/feature.hpp"
-#include "ram_slam/pose2.hpp"
-#include "ram_slam/trajectory.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
+#include "ram_slam/landmarks/feature.hpp"
+#include "ram_slam/landmarks/landmark_map.hpp"
 
 namespace ram_slam {
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 #include "ram_slam/smoothing/constellation_memory.hpp"
 #include "ram_slam/smoothing/joint_refinement.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "ram_slam/fast_slam/landmark_map.hpp"
+#include "ram_slam/landmarks/landmark_map.hpp"
 #include "ram_slam/world_map/world_map.hpp"
 
 namespace ram_slam {

@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/occupancy/occupancy_grid.hpp"
-#include "ram_slam/trajectory.hpp"
 
 namespace ram_slam {
 

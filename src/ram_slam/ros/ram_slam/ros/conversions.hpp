@@ -10,9 +10,9 @@
 #include <ros/time.h>
 #include <sensor_msgs/LaserScan.h>
 
-#include "ram_slam/feature.hpp"
-#include "ram_slam/laser_scan.hpp"
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/landmarks/feature.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam_ros {
 

@@ -7,7 +7,7 @@
 #include <ram_slam_msgs/LandmarkMap.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "ram_slam/fast_slam/landmark_map.hpp"
+#include "ram_slam/landmarks/landmark_map.hpp"
 
 namespace ram_slam_ros {
 

@@ -3,7 +3,7 @@
 
 #include <geometry_msgs/Transform.h>
 
-#include "ram_slam/pose2.hpp"
+#include "ram_slam/geometry/pose2.hpp"
 
 namespace ram_slam_ros {
 

@@ -8,9 +8,9 @@
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Path.h>
 
+#include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/occupancy/occupancy_grid.hpp"
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
-#include "ram_slam/trajectory.hpp"
 
 namespace ram_slam_ros {
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/sensing/field_of_view.hpp"
+
+#include <algorithm>
+
+namespace ram_slam {
+namespace {
+
+constexpr double kMarginAtMaximumRange_m =
+    0.5;                            // corners at the edge of the range are seldom found
+constexpr double kBlocked_m = 0.2;  // a reading this much nearer than the point hides it
+constexpr double kPassed_m = 0.3;   // a reading this much farther says that nothing is there
+constexpr int kBeamsBeside = 1;
+constexpr std::size_t kSurfacePoints = 180;
+constexpr int kLeastInCommon = 40;  // points that two views must know about to be compared
+
+struct Agreement {
+  int agreeing = 0;
+  int contradicting = 0;
+};
+
+void compare(const FieldOfView& view,
+             const std::vector<Eigen::Vector2d>& surface_m,
+             const Pose2& view_from_surface,
+             Agreement& sum) {
+  const Eigen::Matrix2d rotation = view_from_surface.rotation();
+  const Eigen::Vector2d origin_m = view_from_surface.translation();
+  for (const Eigen::Vector2d& point_m : surface_m) {
+    const Sight sight = view.look(origin_m + rotation * point_m);
+    if (sight == Sight::kVisible) ++sum.agreeing;
+    if (sight == Sight::kEmpty) ++sum.contradicting;
+  }
+}
+
+}  // namespace
+
+const std::vector<Eigen::Vector2d>& FieldOfView::surface_m() const {
+  static const std::vector<Eigen::Vector2d> kNone;
+  return kNone;
+}
+
+LaserView::LaserView(const LaserScan& scan, const Pose2& base_from_laser)
+    : scan_(scan),
+      finder_(scan.angle_min_rad, scan.angle_increment_rad, scan.ranges_m.size()),
+      base_from_laser_rotation_(base_from_laser.rotation()),
+      base_from_laser_m_(base_from_laser.translation()) {
+  scan_.validate();
+  const std::size_t step = std::max<std::size_t>(1, scan_.ranges_m.size() / kSurfacePoints);
+  for (std::size_t i = 0; i < scan_.ranges_m.size(); i += step) {
+    if (scan_.at(i) == Return::kHit)
+      surface_m_.push_back(base_from_laser_m_ + base_from_laser_rotation_ * scan_.end_m(i));
+  }
+}
+
+double LaserView::range_m() const {
+  return scan_.range_max_m + base_from_laser_m_.norm();
+}
+
+Sight LaserView::look(const Eigen::Vector2d& point_in_base_m) const {
+  const Eigen::Vector2d point =
+      base_from_laser_rotation_.transpose() * (point_in_base_m - base_from_laser_m_);
+  const double range_m = point.norm();
+  if (range_m < scan_.range_min_m || range_m > scan_.range_max_m - kMarginAtMaximumRange_m) {
+    return Sight::kHidden;
+  }
+  const int beam =
+      finder_.beamTowards(static_cast<float>(point.x()), static_cast<float>(point.y()));
+  if (beam < kBeamsBeside || beam + kBeamsBeside >= static_cast<int>(scan_.ranges_m.size())) {
+    return Sight::kHidden;
+  }
+  bool near_hit = false;
+  bool all_pass = true;
+  for (int i = beam - kBeamsBeside; i <= beam + kBeamsBeside; ++i) {
+    const Return reading = scan_.at(i);
+    if (reading == Return::kInvalid || reading == Return::kTooClose) return Sight::kHidden;
+    const double beyond_m =
+        reading == Return::kNothing ? scan_.range_max_m : scan_.ranges_m[i] - range_m;
+    if (beyond_m < -kBlocked_m) return Sight::kHidden;
+    near_hit = near_hit || beyond_m < kPassed_m;
+    all_pass = all_pass && beyond_m > kPassed_m;
+  }
+  if (all_pass) return Sight::kEmpty;
+  return near_hit ? Sight::kVisible : Sight::kHidden;
+}
+
+std::optional<double> discontinuity(const FieldOfView& before,
+                                    const FieldOfView& now,
+                                    const Pose2& before_from_now) {
+  Agreement sum;
+  compare(before, now.surface_m(), before_from_now, sum);
+  compare(now, before.surface_m(), before_from_now.inverse(), sum);
+  const int common = sum.agreeing + sum.contradicting;
+  if (common < kLeastInCommon) return std::nullopt;
+  return static_cast<double>(sum.contradicting) / common;
+}
+
+}  // namespace ram_slam

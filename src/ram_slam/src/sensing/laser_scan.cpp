@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/sensing/laser_scan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace ram_slam {
+namespace {
+
+constexpr std::size_t kMaxBeams = 20000;
+constexpr double kMinIncrementRad = 1e-6;
+
+}  // namespace
+
+void LaserScan::validate() const {
+  if (ranges_m.empty()) throw std::invalid_argument("scan without ranges");
+  if (ranges_m.size() > kMaxBeams) {
+    throw std::invalid_argument("scan of " + std::to_string(ranges_m.size()) + " beams, at most " +
+                                std::to_string(kMaxBeams) + " are taken");
+  }
+  if (!std::isfinite(angle_min_rad) || !std::isfinite(angle_increment_rad) ||
+      std::abs(angle_increment_rad) < kMinIncrementRad) {
+    throw std::invalid_argument("scan with angle_min " + std::to_string(angle_min_rad) +
+                                " and angle_increment " + std::to_string(angle_increment_rad));
+  }
+  if (!std::isfinite(time_increment_s) || time_increment_s < 0.0) {
+    throw std::invalid_argument("scan with time_increment " + std::to_string(time_increment_s));
+  }
+  if (!std::isfinite(range_min_m) || !std::isfinite(range_max_m) || range_min_m < 0.0F ||
+      range_max_m <= range_min_m) {
+    throw std::invalid_argument("scan with range limits [" + std::to_string(range_min_m) + ", " +
+                                std::to_string(range_max_m) + "]");
+  }
+}
+
+std::int64_t LaserScan::duration_ns() const {
+  const double last = static_cast<double>(std::max<std::size_t>(ranges_m.size(), 1) - 1);
+  return std::llround(1e9 * time_increment_s * last);
+}
+
+std::int64_t LaserScan::delay_ns(double bearing_rad) const {
+  const double turn = 2.0 * M_PI / std::abs(angle_increment_rad);  // in beams
+  double beam = std::fmod((bearing_rad - angle_min_rad) / angle_increment_rad, turn);
+  if (beam < -0.5) beam += turn;  // half a beam before the first is still the first
+  return std::llround(1e9 * time_increment_s * std::max(beam, 0.0));
+}
+
+LaserScan mirrored(LaserScan scan) {
+  scan.angle_min_rad = -scan.angle_min_rad;
+  scan.angle_increment_rad = -scan.angle_increment_rad;
+  return scan;
+}
+
+}  // namespace ram_slam

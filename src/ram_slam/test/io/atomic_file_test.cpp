@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/io/atomic_file.hpp"
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace ram_slam {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+/// A folder of its own for a test, removed at its end.
+class AtomicFile : public testing::Test {
+protected:
+  AtomicFile() : folder_(testing::TempDir() + "atomic_file_" + std::to_string(::getpid())) {
+    std::filesystem::create_directory(folder_);
+  }
+  ~AtomicFile() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  long fileCount() const {
+    return std::distance(std::filesystem::directory_iterator(folder_),
+                         std::filesystem::directory_iterator());
+  }
+
+  std::string folder_;
+};
+
+TEST_F(AtomicFile, IsReadBackAsWritten) {
+  const std::string content("a\0b\xff\n", 5);
+  writeFileAtomically(path("file"), content);
+  EXPECT_EQ(readWholeFile(path("file"), 100), content);
+  writeFileAtomically(path("file"), "");
+  EXPECT_EQ(readWholeFile(path("file"), 0), "");
+  EXPECT_EQ(fileCount(), 1);
+}
+
+TEST_F(AtomicFile, FullDiskKeepsTheOldFileAndLeavesNothingBehind) {
+  writeFileAtomically(path("file"), "old");
+  struct rlimit before {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  struct rlimit small = before;
+  small.rlim_cur = 1000;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  EXPECT_THAT([&] { writeFileAtomically(path("file"), std::string(5000, 'x')); },
+              ThrowsMessage<std::system_error>(HasSubstr("File too large")));
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_EQ(readWholeFile(path("file"), 100), "old");
+  EXPECT_EQ(fileCount(), 1);
+  // A device that is always full: the write itself fails.
+  EXPECT_THROW(writeFileAtomically("/dev/full/file", "x"), std::system_error);
+}
+
+TEST_F(AtomicFile, WriterKilledAtAnyMomentLeavesTheOldFileOrTheNewOne) {
+  const std::string old_content(300000, 'o');
+  const std::string new_content(400000, 'n');
+  writeFileAtomically(path("file"), old_content);
+  for (int attempt = 0; attempt < 60; ++attempt) {
+    const pid_t writer = ::fork();
+    ASSERT_GE(writer, 0);
+    if (writer == 0) {
+      for (;;) {
+        writeFileAtomically(path("file"), new_content);
+        writeFileAtomically(path("file"), old_content);
+      }
+    }
+    ::usleep(static_cast<useconds_t>(300 * attempt));
+    ::kill(writer, SIGKILL);
+    ::waitpid(writer, nullptr, 0);
+    const std::string content = readWholeFile(path("file"), 1000000);
+    ASSERT_TRUE(content == old_content || content == new_content) << attempt;
+  }
+}
+
+TEST_F(AtomicFile, FailuresNameTheFileAndTheSystemsReason) {
+  EXPECT_THAT([&] { writeFileAtomically(path("missing/file"), "x"); },
+              ThrowsMessage<std::system_error>(testing::AllOf(
+                  HasSubstr("missing/file"), HasSubstr("No such file or directory"))));
+  std::filesystem::create_directory(path("folder"));
+  EXPECT_THAT([&] { writeFileAtomically(path("folder"), "x"); },
+              ThrowsMessage<std::system_error>(HasSubstr("directory")));
+  EXPECT_EQ(fileCount(), 1);
+  EXPECT_THROW(readWholeFile(path("nothing"), 10), std::system_error);
+  EXPECT_THROW(readWholeFile(path("folder"), 10), std::system_error);
+  EXPECT_THROW(readWholeFile("/dev/zero", 10), std::system_error);
+}
+
+TEST_F(AtomicFile, LongerFilesThanAllowedAreNotRead) {
+  writeFileAtomically(path("file"), std::string(11, 'x'));
+  EXPECT_THROW(readWholeFile(path("file"), 10), std::length_error);
+}
+
+TEST(PathInFolder, TakesPlainNamesOnly) {
+  EXPECT_EQ(pathInFolder("/maps", "office-2.v1_b"), "/maps/office-2.v1_b");
+  for (const std::string& name :
+       {std::string(), std::string("."), std::string(".."), std::string("../x"),
+        std::string("/etc/x"), std::string("a/b"), std::string(".hidden"), std::string("a b"),
+        std::string("a;rm"), std::string("$(x)"), std::string("`x`"), std::string("\xc3\xa4"),
+        std::string("a\0b", 3), std::string(101, 'a'), std::string(5000, 'a')}) {
+    EXPECT_THROW(pathInFolder("/maps", name), std::invalid_argument) << name;
+  }
+}
+
+}  // namespace
+}  // namespace ram_slam

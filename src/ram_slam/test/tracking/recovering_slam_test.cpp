@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/tracking/recovering_slam.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "../scan_matching/walls.hpp"
+
+namespace ram_slam {
+namespace {
+
+constexpr std::int64_t kStepNs = 50'000'000;
+constexpr double kStep_m = 0.05;
+constexpr double kSeen_m = 8.0;
+
+/// Odometry that is exact but for the noise it states, and that knows nothing of being carried.
+class ExactOdometry : public MotionModel {
+public:
+  void move(const Pose2& before_from_now) {
+    stamp_ns_ += kStepNs;
+    path_.push_back({stamp_ns_, path_.empty() ? Pose2{} : path_.back().pose * before_from_now});
+  }
+  std::int64_t stamp_ns() const { return stamp_ns_; }
+  PoseWithCovariance2 motion(std::int64_t from_ns, std::int64_t to_ns) const override {
+    PoseWithCovariance2 moved;
+    moved.pose = poseAt(path_, from_ns)->inverse() * *poseAt(path_, to_ns);
+    moved.covariance.diagonal() << 1e-6, 1e-6, 1e-6;
+    return moved;
+  }
+  std::vector<Pose2> sample(const std::vector<Pose2>&,
+                            std::int64_t,
+                            std::int64_t,
+                            std::uint64_t) const override {
+    return {};
+  }
+
+private:
+  std::int64_t stamp_ns_ = 0;
+  Trajectory path_;
+};
+
+/// A robot with a lidar that turns all round, in a room of which no part is like another.
+class Kidnapped : public testing::Test {
+protected:
+  std::vector<Eigen::Vector2d> corners_m_{{0.0, 0.0}, {6.0, 0.0},  {6.0, -2.0}, {8.0, -2.0},
+                                          {8.0, 0.0}, {14.0, 0.0}, {14.0, 3.0}, {5.0, 3.0},
+                                          {5.0, 6.0}, {2.0, 6.0},  {2.0, 3.0},  {0.0, 3.0}};
+  Walls walls_ = outline(corners_m_);
+  ExactOdometry odometry_;
+  RecoveringSlam slam_{FastSlamParameters{}, RecoveryParameters{}};
+  Pose2 truth_{1.0, 1.5, 0.0};
+  const Pose2 start_ = truth_;
+
+  void look(const Pose2& moved) {
+    odometry_.move(moved);
+    truth_ = truth_ * moved;
+    TestLaser laser;
+    laser.beam_count = 720;
+    laser.field_of_view_rad = 2.0 * M_PI * 719.0 / 720.0;
+    FeatureList list;
+    list.stamp_ns = odometry_.stamp_ns();
+    for (const Eigen::Vector2d& corner_m : corners_m_) {
+      Feature feature;
+      feature.type = "corner";
+      feature.position_m = truth_.inverse() * corner_m;
+      feature.covariance_m2 = 1e-4 * Eigen::Matrix2d::Identity();
+      const double range_m = feature.position_m.norm();
+      const double bearing_rad =
+          truth_.yaw_rad + std::atan2(feature.position_m.y(), feature.position_m.x());
+      const double free_m = rangeToWalls(walls_, truth_.translation(), bearing_rad);
+      if (range_m < kSeen_m && free_m > range_m - 0.05) list.features.push_back(feature);
+    }
+    slam_.update(list, odometry_,
+                 std::make_shared<const LaserView>(scanWalls(walls_, truth_, list.stamp_ns, laser),
+                                                   Pose2{}));
+  }
+
+  void drive(double way_m) {
+    const double step_m = std::copysign(kStep_m, way_m);
+    for (double left_m = std::abs(way_m); left_m > 1e-9; left_m -= kStep_m)
+      look({step_m, 0.0, 0.0});
+  }
+
+  void mapTheRoom() {
+    look({});
+    drive(11.5);
+    drive(-11.5);
+    drive(5.0);
+  }
+
+  void carryToAnotherBuilding() {
+    corners_m_ = {{0.0, 0.0},  {9.0, 0.0}, {9.0, -4.0}, {16.0, -4.0},
+                  {16.0, 5.0}, {7.0, 5.0}, {7.0, 9.0},  {0.0, 9.0}};
+    walls_ = outline(corners_m_);
+    truth_ = {8.0, 2.0, 0.5};
+  }
+
+  /// The process is killed and started again from its last checkpoint; the robot drives on
+  /// meanwhile.
+  void restart(const std::string& checkpoint, double way_m) {
+    for (double left_m = way_m; left_m > 1e-9; left_m -= kStep_m) {
+      odometry_.move({kStep_m, 0.0, 0.0});
+      truth_ = truth_ * Pose2{kStep_m, 0.0, 0.0};
+    }
+    RecoveringSlam other{FastSlamParameters{}, RecoveryParameters{}};
+    other.restore(checkpointFromBytes(checkpoint));
+    slam_ = std::move(other);
+  }
+
+  double error_m() const {
+    return (slam_.estimate().pose.translation() - (start_.inverse() * truth_).translation()).norm();
+  }
+
+  std::string mapBytes() const {
+    std::string bytes;
+    for (const LandmarkEstimate& landmark : slam_.filter().landmarks().landmarks) {
+      bytes += std::to_string(landmark.id) + " ";
+      bytes.append(reinterpret_cast<const char*>(landmark.mean_m.data()), 2 * sizeof(double));
+      bytes.append(reinterpret_cast<const char*>(&landmark.existence_log_odds), sizeof(double));
+    }
+    return bytes;
+  }
+};
+
+TEST_F(Kidnapped, IsNeverLostWhileItDrives) {
+  look({});
+  for (const double way_m : {11.5, -11.5, 5.0}) {
+    drive(way_m);
+    EXPECT_FALSE(slam_.lost());
+    EXPECT_LT(error_m(), 0.05);
+  }
+}
+
+TEST_F(Kidnapped, KnowsItAtOnceAndFindsBackWithoutTouchingTheMap) {
+  mapTheRoom();
+  truth_ = {11.0, 1.8, 3.0};
+  const std::int64_t carried_ns = odometry_.stamp_ns();
+  while (!slam_.lost() && odometry_.stamp_ns() < carried_ns + 2'000'000'000)
+    look({kStep_m, 0.0, 0.0});
+  ASSERT_TRUE(slam_.lost());
+  const std::string map = mapBytes();
+  for (double way_m = 0.0; way_m < 8.0; way_m += kStep_m) {
+    look({kStep_m, 0.0, 0.0});
+    if (!slam_.lost()) break;
+    EXPECT_EQ(mapBytes(), map);
+  }
+  ASSERT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.1);
+}
+
+TEST_F(Kidnapped, LeavesAWrongPlaceSoonAndItsMapIsAsBefore) {
+  mapTheRoom();
+  slam_.forgetPose();
+  ASSERT_TRUE(slam_.lost());
+  const std::string map = mapBytes();
+  // Somebody says that the robot is elsewhere; it is not.
+  PoseWithCovariance2 wrong;
+  wrong.pose = slam_.estimate().pose * Pose2{3.0, 0.0, 0.0};
+  wrong.covariance.diagonal() << 0.01, 0.01, 0.001;
+  slam_.setPose(wrong);
+  ASSERT_FALSE(slam_.lost());
+  const std::int64_t told_ns = odometry_.stamp_ns();
+  while (!slam_.lost() && odometry_.stamp_ns() < told_ns + 2'000'000'000) look({kStep_m, 0.0, 0.0});
+  ASSERT_TRUE(slam_.lost());
+  EXPECT_EQ(mapBytes(), map);
+}
+
+TEST_F(Kidnapped, AskedToForgetItFindsItsPlaceAgain) {
+  mapTheRoom();
+  slam_.forgetPose();
+  EXPECT_TRUE(slam_.lost());
+  EXPECT_EQ(slam_.reason(), LostReason::kAsked);
+  drive(4.0);
+  EXPECT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.1);
+}
+
+TEST_F(Kidnapped, ADisturbanceEndsWhenEverythingIsAsBeforeHoweverLongItTook) {
+  mapTheRoom();
+  const Pose2 here = truth_;
+  truth_ = {11.0, 1.8, 3.0};  // what is seen is of another place, as with people all around
+  for (int i = 0; i < 60; ++i) look({});
+  ASSERT_TRUE(slam_.lost());
+  truth_ = here;
+  for (int i = 0; i < 20; ++i) look({});
+  EXPECT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.05);
+}
+
+TEST_F(Kidnapped, OdometryThatSlippedALittleIsCorrectedAtOnce) {
+  mapTheRoom();
+  truth_ = truth_ * Pose2{0.1, 0.05, 0.15};
+  for (int i = 0; i < 40; ++i) {
+    look({kStep_m, 0.0, 0.0});
+    EXPECT_FALSE(slam_.lost());
+  }
+  EXPECT_LT(error_m(), 0.05);
+}
+
+TEST_F(Kidnapped, InAnotherBuildingItStaysLost) {
+  mapTheRoom();
+  carryToAnotherBuilding();
+  for (int i = 0; i < 20; ++i) {
+    drive(1.2);
+    drive(-1.2);
+  }
+  EXPECT_TRUE(slam_.lost());
+}
+
+TEST_F(Kidnapped, WithoutAMapToDenyItBelievesOdometryAfterALongWay) {
+  for (int i = 0; i < 100; ++i) look({});
+  carryToAnotherBuilding();
+  drive(5.0);
+  ASSERT_TRUE(slam_.lost());
+  for (double way_m = 5.0; way_m < 38.0; way_m += 2.0) {
+    drive(1.0);
+    drive(-1.0);
+  }
+  EXPECT_TRUE(slam_.lost());
+  for (int i = 0; i < 3; ++i) {
+    drive(1.0);
+    drive(-1.0);
+  }
+  EXPECT_FALSE(slam_.lost());
+}
+
+TEST_F(Kidnapped, WhileLostNoTrajectoryIsFollowed) {
+  mapTheRoom();
+  const Trajectory path = slam_.filter().trajectory();
+  slam_.forgetPose();
+  const std::string map = mapBytes();
+  EXPECT_THROW(slam_.followTrajectory(path), std::runtime_error);
+  EXPECT_EQ(mapBytes(), map);
+}
+
+TEST_F(Kidnapped, GoesOnFromACheckpointWithItsMapAndItsPath) {
+  mapTheRoom();
+  const LandmarkMap before = slam_.filter().landmarks();
+  const Trajectory path = slam_.filter().trajectory();
+  const LandmarkId newest = before.landmarks.back().id;
+  restart(toBytes(slam_.checkpoint()), 1.0);
+  const LandmarkMap after = slam_.filter().landmarks();
+  ASSERT_EQ(after.landmarks.size(), before.landmarks.size());
+  for (std::size_t i = 0; i < before.landmarks.size(); ++i) {
+    EXPECT_EQ(after.landmarks[i].id, before.landmarks[i].id);
+    EXPECT_LT((after.landmarks[i].mean_m - before.landmarks[i].mean_m).norm(), 1e-9);
+  }
+  drive(4.0);
+  EXPECT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.05);
+  EXPECT_EQ(slam_.filter().landmarks().landmarks.back().id, newest);  // all were seen again
+  EXPECT_EQ(slam_.filter().trajectory().front().stamp_ns, path.front().stamp_ns);
+  EXPECT_GT(slam_.filter().trajectory().back().stamp_ns, path.back().stamp_ns);
+}
+
+TEST_F(Kidnapped, AfterACheckpointTheMapStillBendsAlongASmoothedTrajectory) {
+  mapTheRoom();
+  restart(toBytes(slam_.checkpoint()), 0.5);
+  drive(2.0);
+  const LandmarkMap before = slam_.filter().landmarks();
+  // Later than the first reading everything lies 10 % farther along x.
+  Trajectory stretched = slam_.filter().trajectory();
+  for (StampedPose2& stamped : stretched) stamped.pose.x_m *= 1.1;
+  slam_.followTrajectory(stretched);
+  const LandmarkMap after = slam_.filter().landmarks();
+  ASSERT_EQ(after.landmarks.size(), before.landmarks.size());
+  bool some_moved = false;
+  for (std::size_t i = 0; i < before.landmarks.size(); ++i) {
+    ASSERT_EQ(after.landmarks[i].id, before.landmarks[i].id);
+    ASSERT_GT(before.landmarks[i].placed_ns, 0);
+    const Pose2 placed_from =
+        *poseAt(slam_.filter().trajectory(), before.landmarks[i].placed_ns);  // after stretching
+    const double moved_m = after.landmarks[i].mean_m.x() - before.landmarks[i].mean_m.x();
+    EXPECT_NEAR(moved_m, placed_from.x_m / 11.0, 0.02);
+    some_moved = some_moved || moved_m > 0.3;
+  }
+  EXPECT_TRUE(some_moved);
+}
+
+TEST_F(Kidnapped, WhatIsNewAfterACheckpointGetsIdentifiersThatNobodyHas) {
+  look({});
+  drive(2.0);
+  const std::string checkpoint = toBytes(slam_.checkpoint());
+  drive(6.0);
+  const LandmarkId newest = slam_.filter().landmarks().landmarks.back().id;
+  const std::size_t known = checkpointFromBytes(checkpoint).map.landmarks.size();
+  ASSERT_GT(slam_.filter().landmarks().landmarks.size(), known);
+  restart(checkpoint, 0.05);
+  drive(3.0);
+  const LandmarkMap map = slam_.filter().landmarks();
+  ASSERT_GT(map.landmarks.size(), known);
+  for (std::size_t i = known; i < map.landmarks.size(); ++i) EXPECT_GT(map.landmarks[i].id, newest);
+  EXPECT_LT(error_m(), 0.05);
+}
+
+TEST_F(Kidnapped, ALostRobotIsLostAfterItsCheckpoint) {
+  mapTheRoom();
+  slam_.forgetPose();
+  restart(toBytes(slam_.checkpoint()), 0.0);
+  EXPECT_TRUE(slam_.lost());
+  drive(4.0);
+  EXPECT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.1);
+}
+
+TEST_F(Kidnapped, ACheckpointThatTheFilterRefusesChangesNothing) {
+  mapTheRoom();
+  const std::string map = mapBytes();
+  Checkpoint bad = slam_.checkpoint();
+  bad.map.landmarks[0].covariance_m2.setZero();
+  EXPECT_THROW(slam_.restore(bad), std::invalid_argument);
+  bad = slam_.checkpoint();
+  bad.map.stamp_ns = 0;
+  EXPECT_THROW(slam_.restore(bad), std::invalid_argument);
+  EXPECT_EQ(mapBytes(), map);
+  EXPECT_FALSE(slam_.lost());
+}
+
+}  // namespace
+}  // namespace ram_slam
