@@ -37,17 +37,20 @@ struct Outer {
         ParameterTable<P>()
             .heading("Counts")
             .add("count", &P::count, "", within(1, 10), "How many.")
+            .advised(within(2, 5))
             .add("used", &P::used, "", atLeast(1), "How many are used.")
             .alias("usde")
             .rule(&P::used, "<= count", [](const P& p) { return p.used <= p.count; })
             .add("enabled", &P::enabled, "Whether at all.")
             .add("frame", &P::frame, "Its frame.")
+            .rule(&P::frame, "a name", [](const P& p) { return !p.frame.empty(); })
             .add("topics", &P::topics, "Its topics.")
             .addChoice("colour", &P::colour, {{"red", Colour::kRed}, {"green", Colour::kGreen}},
                        "Its colour.")
             .include(&P::inner, Inner::table(), "loop_")
             .expert("Rarely changed")
             .add("tiny", &P::tiny, "m^2/m", positive(), "Small.")
+            .advised(below(1.0), [](const P& p) { return p.enabled; })
             .section("nested", &P::nested, Inner::table());
     return table;
   }
@@ -96,6 +99,7 @@ TEST(ParameterTable, RefusesValuesOutOfBoundsByTheirFullName) {
   EXPECT_THAT(refusal("{loop_width_m: 0}"), HasSubstr("loop_width_m must be > 0"));
   EXPECT_THAT(refusal("{nested: {width_m: -1}}"), HasSubstr("nested/width_m must be > 0"));
   EXPECT_THAT(refusal("{used: 4}"), HasSubstr("used must be <= count, got 4"));
+  EXPECT_THAT(refusal("{frame: ''}"), HasSubstr("frame must be a name, got \"\""));
   EXPECT_THAT(refusal("{colour: blue}"), HasSubstr("colour must be red or green, got 'blue'"));
 }
 
@@ -111,19 +115,44 @@ TEST(ParameterTable, TakesAnOlderSpellingUnlessItContradictsTheNewOne) {
   EXPECT_THAT(refusal("{usde: 3, used: 1}"), HasSubstr("contradict each other"));
 }
 
+TEST(ParameterTable, WarnsOfNumbersOutsideTheRangeKnownToWork) {
+  const auto warnings = [](const std::string& yaml) { return Outer::table().warnings(read(yaml)); };
+  EXPECT_THAT(warnings("{}"), testing::IsEmpty());
+  EXPECT_THAT(
+      warnings("{count: 7}"),
+      testing::ElementsAre("count = 7 is outside the range that is known to work, in [2, 5]"));
+  EXPECT_THAT(warnings("{tiny: 2.0}"), testing::SizeIs(1));
+  EXPECT_THAT(warnings("{tiny: 2.0, enabled: false}"), testing::IsEmpty());
+}
+
+TEST(ParameterTable, WarnsOfNumbersOfIncludedStructsByTheirFullName) {
+  struct Holder {
+    Outer outer;
+  };
+  const auto table = ParameterTable<Holder>().section("outer", &Holder::outer, Outer::table());
+  Holder holder;
+  holder.outer.count = 9;
+  EXPECT_THAT(table.warnings(holder), testing::ElementsAre(HasSubstr("outer/count = 9")));
+}
+
+TEST(ParameterTable, DocumentsStateBothRanges) {
+  EXPECT_EQ(Outer::table().rows().front().range, "in [1, 10], known to work in [2, 5]");
+}
+
 TEST(ParameterTable, ShippedFileReadsBackAsTheDefaults) {
   const std::string yaml = toYaml(file());
   const Outer values = read(yaml);
   EXPECT_EQ(Outer::table().rows(values).size(), Outer::table().rows().size());
   for (std::size_t i = 0; i < Outer::table().rows().size(); ++i)
     EXPECT_EQ(Outer::table().rows(values)[i].value, Outer::table().rows()[i].value);
-  EXPECT_THAT(yaml, HasSubstr("# How many. in [1, 10]"));
+  EXPECT_THAT(yaml, HasSubstr("# How many. in [1, 10], known to work in [2, 5]"));
   EXPECT_THAT(yaml, testing::Not(HasSubstr("tiny")));
 }
 
 TEST(ParameterTable, ReferenceListsExpertParametersToo) {
-  EXPECT_THAT(toMarkdown(file()),
-              HasSubstr("| `tiny` *(expert)* | `1.0e-08` | m^2/m | > 0 | Small. |"));
+  EXPECT_THAT(
+      toMarkdown(file()),
+      HasSubstr("| `tiny` *(expert)* | `1.0e-08` | m^2/m | > 0, known to work < 1 | Small. |"));
 }
 
 }  // namespace

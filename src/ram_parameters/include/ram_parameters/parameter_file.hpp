@@ -6,7 +6,7 @@
 
 namespace ram_parameters {
 
-/// What documents say about one parameter.
+/// What documents state about one parameter.
 struct ParameterRow {
   std::string key;         ///< with its sections: "relocalisation/window"
   std::string value;       ///< as YAML

@@ -12,7 +12,7 @@ namespace ram_parameters {
 /// Reads the parameters of one component from a YAML map: complete and typed, or refused.
 ///
 /// An absent key keeps the default that the caller passes in. A wrong type throws at once;
-/// rejectUnknown() throws for a key that nobody read. An integer is accepted where a double is
+/// rejectUnknown() throws for a key that was not read. An integer is accepted where a double is
 /// wanted, a fraction is not where an integer is; a quoted number is a string. Every error names
 /// the source, the key, the value and what was wanted. A key "a/b" is the key "b" of the map "a".
 class ParameterReader {

@@ -37,11 +37,15 @@ public:
                       const std::string& unit,
                       const Bounds& bounds,
                       const std::string& text) {
-    return append(key, field, unit, bounds.text(), text,
-                  [=](const Struct& values, const std::string& name) {
-                    const auto value = static_cast<double>(values.*field);
-                    require(bounds.contain(value), name, value, bounds.text());
-                  });
+    append(key, field, unit, bounds.text(), text,
+           [=](const Struct& values, const std::string& name) {
+             const auto value = static_cast<double>(values.*field);
+             require(bounds.contain(value), name, value, bounds.text());
+           });
+    entries_.back().number = [=](const Struct& values) {
+      return static_cast<double>(values.*field);
+    };
+    return *this;
   }
 
   /// A text, a truth value or a list, without bounds of its own.
@@ -83,15 +87,34 @@ public:
 
   /// What a row demands beyond its own bounds, in terms of other fields. \param bound  as errors
   /// and documents state it: "in [1, key_scan_count]"
-  template <typename Number>
-  ParameterTable& rule(Number Struct::*field,
+  template <typename Value>
+  ParameterTable& rule(Value Struct::*field,
                        const std::string& bound,
                        const std::function<bool(const Struct&)>& holds) {
     Entry& entry = entries_.back();
-    entry.row.range += (entry.row.range.empty() ? "" : ", ") + bound;
+    addRange(entry.row, bound);
     entry.check = [=, before = entry.check](const Struct& values, const std::string& name) {
       before(values, name);
-      require(holds(values), name, static_cast<double>(values.*field), bound);
+      if constexpr (std::is_arithmetic_v<Value>) {
+        require(holds(values), name, static_cast<double>(values.*field), bound);
+      } else if (!holds(values)) {
+        throw std::invalid_argument(name + " must be " + bound + ", got " +
+                                    toYamlText(values.*field));
+      }
+    };
+    return *this;
+  }
+
+  /// The numbers with which the row before, a number, is known to work: others within its bounds
+  /// are accepted with a warning. \param applies  the values for which it matters; default: all
+  ParameterTable& advised(const Bounds& bounds,
+                          const std::function<bool(const Struct&)>& applies = nullptr) {
+    Entry& entry = entries_.back();
+    addRange(entry.row, "known to work " + bounds.text());
+    entry.warning = [=, number = entry.number](const Struct& values, const std::string& name) {
+      if (bounds.contain(number(values)) || (applies && !applies(values))) return std::string();
+      return name + " = " + toPlainText(number(values)) +
+             " is outside the range that is known to work, " + bounds.text();
     };
     return *this;
   }
@@ -134,6 +157,11 @@ public:
         check(values.*field, name);
       };
       entry.value = [=, value = sub.value](const Struct& values) { return value(values.*field); };
+      if (sub.warning) {
+        entry.warning = [=, warning = sub.warning](const Struct& values, const std::string& name) {
+          return warning(values.*field, name);
+        };
+      }
       entries_.push_back(std::move(entry));
     }
     return *this;
@@ -149,8 +177,8 @@ public:
 
   /// Begins a group of rows.
   ParameterTable& heading(const std::string& text) { return begin(text, false); }
-  /// Begins a group of rows that are in the reference, but not in the shipped file: whoever needs
-  /// one looks for it there.
+  /// Begins a group of rows that are in the reference, but not in the shipped file: few users ever
+  /// need one.
   ParameterTable& expert(const std::string& text) { return begin(text, true); }
 
   /// Overwrites the fields whose keys are present. Neither checks bounds nor rejects unknown keys.
@@ -162,6 +190,17 @@ public:
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void check(const Struct& values) const {
     for (const Entry& entry : entries_) entry.check(values, entry.row.key);
+  }
+
+  /// One sentence for each number outside the range that is known to work.
+  std::vector<std::string> warnings(const Struct& values) const {
+    std::vector<std::string> warnings;
+    for (const Entry& entry : entries_) {
+      if (!entry.warning) continue;
+      const std::string warning = entry.warning(values, entry.row.key);
+      if (!warning.empty()) warnings.push_back(warning);
+    }
+    return warnings;
   }
 
   /// Reads, rejects unknown keys, and validates. \throws std::invalid_argument
@@ -189,6 +228,9 @@ public:
     std::function<void(const Struct&, const std::string& name)> check = [](const Struct&,
                                                                            const std::string&) {};
     std::function<std::string(const Struct&)> value;
+    std::function<double(const Struct&)> number;  ///< only of numbers
+    /// Empty unless the value is one to warn of; none if there is nothing to warn of.
+    std::function<std::string(const Struct&, const std::string& name)> warning;
   };
   const std::vector<Entry>& entries() const { return entries_; }
 
@@ -197,6 +239,11 @@ private:
     heading_ = text;
     is_expert_ = is_expert;
     return *this;
+  }
+
+  static void addRange(ParameterRow& row, const std::string& bound) {
+    if (bound.empty()) return;
+    row.range += (row.range.empty() ? "" : ", ") + bound;
   }
 
   Entry makeEntry(const std::string& key,

@@ -6,7 +6,7 @@
 
 namespace ram_parameters {
 
-/// For the validate() of parameters: says which one has which value, and what it must be.
+/// For the validate() of parameters: names the parameter, its value and what it must be.
 /// \throws std::invalid_argument unless `condition` holds
 inline void require(bool condition,
                     const std::string& parameter,
