@@ -85,8 +85,8 @@ std::string toYaml(const ParameterFile& file) {
   std::string before;
   std::string heading;
   for (const ParameterRow& row : file.rows) {
-    if (!row.heading.empty()) heading = row.heading;
     if (row.is_expert) continue;
+    if (!row.heading.empty()) heading = row.heading;
     writeSections(out, before, row.key);
     if (!heading.empty()) {
       const std::string indent(2 * depth(row.key), ' ');

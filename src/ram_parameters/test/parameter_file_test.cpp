@@ -38,9 +38,12 @@ TEST(ToYaml, LeavesExpertParametersOutButKeepsTheirNeighbours) {
   ParameterRow hidden = row("hidden", "1");
   hidden.is_expert = true;
   hidden.heading = "Tuning";
-  const std::string text = toYaml({"a.yaml", "package/node", "Intro.", {row("x", "1"), hidden}});
+  const std::string text =
+      toYaml({"a.yaml", "package/node", "Intro.", {row("x", "1"), hidden, row("y", "2")}});
   EXPECT_THAT(text, HasSubstr("x: 1"));
+  EXPECT_THAT(text, HasSubstr("y: 2"));
   EXPECT_THAT(text, Not(HasSubstr("hidden:")));
+  EXPECT_THAT(text, Not(HasSubstr("Tuning")));
 }
 
 TEST(ToYaml, StatesUnitAndRangeAndHeading) {

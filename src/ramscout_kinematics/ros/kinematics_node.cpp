@@ -17,12 +17,6 @@ using ram_slam_ros::toNanoseconds;
 using ramscout_kinematics::Added;
 using Status = ram_slam_msgs::SampleStates::Response;
 
-constexpr double kLogPeriodS = 5.0;
-constexpr double kDiagnosticsPeriodS = 1.0;
-/// Without odometry for longer than this, diagnostics say WARN and then ERROR.
-constexpr double kSilenceWarningS = 0.5;
-constexpr double kSilenceErrorS = 5.0;
-
 /// What each outcome of adding a sample is called, in the order of Added.
 constexpr const char* kOutcomeNames[] = {"in order", "reordered",     "repeated",      "too late",
                                          "jump",     "discontinuity", "clock set back"};
@@ -35,9 +29,8 @@ bool answerOrFail(const char* service, const Answer& answer) {
     answer();
     return true;
   } catch (const ramscout_kinematics::OdometryUnavailable& error) {
-    if (error.reason ==
-        ramscout_kinematics::Unavailable::kNotYetAvailable) {  // a client ahead of the odometry: it
-                                                               // will ask again
+    // A client ahead of the odometry will ask again.
+    if (error.reason == ramscout_kinematics::Unavailable::kNotYetAvailable) {
       ROS_DEBUG_STREAM(service << " refused: " << error.what());
     } else {
       ROS_WARN_STREAM_THROTTLE(1.0, service << " refused: " << error.what());
@@ -65,8 +58,9 @@ KinematicsNode::KinematicsNode(ram_parameters::ParameterReader& reader)
   diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
   odometry_ = node_.subscribe("odom", 200, &KinematicsNode::onOdometry, this,
                               ros::TransportHints().tcpNoDelay());
-  diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(kDiagnosticsPeriodS),
-                                             [this](const auto&) { publishDiagnostics(); });
+  diagnostics_timer_ =
+      node_.createWallTimer(ros::WallDuration(parameters_.node.diagnostics_period_s),
+                            [this](const auto&) { publishDiagnostics(); });
   ros::NodeHandle private_node("~");
   private_node.setCallbackQueue(&service_queue_);
   services_ = {
@@ -84,11 +78,12 @@ void KinematicsNode::onOdometry(const nav_msgs::Odometry& message) {
     const auto matches = [](const std::string& wanted, const std::string& got) {
       return wanted.empty() || wanted == got;
     };
-    if (!matches(parameters_.odom_frame, message.header.frame_id) ||
-        !matches(parameters_.base_frame, message.child_frame_id)) {
+    if (!matches(parameters_.node.odom_frame, message.header.frame_id) ||
+        !matches(parameters_.node.base_frame, message.child_frame_id)) {
       throw std::invalid_argument("it is of '" + message.child_frame_id + "' in '" +
-                                  message.header.frame_id + "', wanted '" + parameters_.base_frame +
-                                  "' in '" + parameters_.odom_frame + "'");
+                                  message.header.frame_id + "', wanted '" +
+                                  parameters_.node.base_frame + "' in '" +
+                                  parameters_.node.odom_frame + "'");
     }
     const Added outcome = kinematics_.add(toOdometrySample(message));
     ++samples_by_outcome_[static_cast<std::size_t>(outcome)];
@@ -99,7 +94,7 @@ void KinematicsNode::onOdometry(const nav_msgs::Odometry& message) {
     }
   } catch (const std::exception& error) {
     ++samples_rejected_;
-    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected odometry: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(parameters_.node.log_period_s, "Rejected odometry: " << error.what());
   }
 }
 
@@ -129,7 +124,7 @@ bool KinematicsNode::onSample(ram_slam_msgs::SampleState::Request& request,
                               ram_slam_msgs::SampleState::Response& response) {
   return answerOrFail("sample", [&] {
     // A seed of its own for every call: the stream of the node's seed, at the number of the call.
-    ram_slam::Random seeds(static_cast<std::uint64_t>(parameters_.seed), samples_drawn_++);
+    ram_slam::Random seeds(static_cast<std::uint64_t>(parameters_.node.seed), samples_drawn_++);
     const Eigen::MatrixXd state = toState(request.state);
     response.state = toFloats(
         kinematics_.sample(state, toNanoseconds(request.from), toNanoseconds(request.to), seeds()));
@@ -140,8 +135,9 @@ bool KinematicsNode::onSampleStates(ram_slam_msgs::SampleStates::Request& reques
                                     ram_slam_msgs::SampleStates::Response& response) {
   try {
     const Eigen::MatrixXd samples =
-        kinematics_.sample(toStates(request.states, request.count), toNanoseconds(request.from),
-                           toNanoseconds(request.to), request.seed);
+        kinematics_.sample(toStates(request.states, request.count,
+                                    static_cast<std::uint32_t>(parameters_.node.max_states)),
+                           toNanoseconds(request.from), toNanoseconds(request.to), request.seed);
     response.states.assign(samples.data(), samples.data() + samples.size());
     response.status = Status::SUCCESS;
   } catch (const InvalidRequest& error) {
@@ -157,41 +153,48 @@ bool KinematicsNode::onSampleStates(ram_slam_msgs::SampleStates::Request& reques
   return true;
 }
 
-void KinematicsNode::publishDiagnostics() {
+diagnostic_msgs::DiagnosticStatus KinematicsNode::diagnose(std::uint64_t received,
+                                                           std::uint64_t unused) const {
+  const auto& limits = parameters_.node;
   diagnostic_msgs::DiagnosticStatus status;
   status.name = ros::this_node::getName() + ": odometry";
   status.hardware_id = "none";
   status.level = diagnostic_msgs::DiagnosticStatus::OK;
   status.message = "odometry arrives";
   const double silence_s = newest_arrival_.isZero()
-                               ? kSilenceErrorS + 1.0
+                               ? limits.silence_error_s + 1.0
                                : (ros::WallTime::now() - newest_arrival_).toSec();
-  const std::uint64_t unused = samples_rejected_ +
-                               samples_by_outcome_[static_cast<std::size_t>(Added::kTooLate)] +
-                               samples_by_outcome_[static_cast<std::size_t>(Added::kJump)];
-  const std::uint64_t received = samples_received_ - diagnosed_received_;
-  const std::uint64_t newly_unused = unused - diagnosed_unused_;
-  if (newly_unused > 0) {
-    status.level = 2 * newly_unused > received ? diagnostic_msgs::DiagnosticStatus::ERROR
-                                               : diagnostic_msgs::DiagnosticStatus::WARN;
+  const auto warnOrError = [](bool is_error) {
+    return is_error ? diagnostic_msgs::DiagnosticStatus::ERROR
+                    : diagnostic_msgs::DiagnosticStatus::WARN;
+  };
+  if (unused > 0) {
+    status.level = warnOrError(2 * unused > received);
     status.message = "odometry rejected";
-  } else if (silence_s > kSilenceWarningS) {
-    status.level = silence_s > kSilenceErrorS ? diagnostic_msgs::DiagnosticStatus::ERROR
-                                              : diagnostic_msgs::DiagnosticStatus::WARN;
+  } else if (silence_s > limits.silence_warning_s) {
+    status.level = warnOrError(silence_s > limits.silence_error_s);
     status.message = newest_arrival_.isZero() ? "no odometry yet" : "no odometry for a while";
   }
-  status.values = {
-      keyValue("rate [1/s]", std::to_string(static_cast<double>(received) / kDiagnosticsPeriodS)),
-      keyValue("seconds since the newest", std::to_string(silence_s)),
-      keyValue("rejected", std::to_string(samples_rejected_))};
+  const double rate_hz = static_cast<double>(received) / limits.diagnostics_period_s;
+  status.values = {keyValue("rate [1/s]", std::to_string(rate_hz)),
+                   keyValue("seconds since the newest", std::to_string(silence_s)),
+                   keyValue("rejected", std::to_string(samples_rejected_))};
   for (std::size_t i = 0; i < samples_by_outcome_.size(); ++i) {
     status.values.push_back(keyValue(kOutcomeNames[i], std::to_string(samples_by_outcome_[i])));
   }
-  diagnosed_received_ = samples_received_;
-  diagnosed_unused_ = unused;
+  return status;
+}
+
+void KinematicsNode::publishDiagnostics() {
+  const std::uint64_t unused = samples_rejected_ +
+                               samples_by_outcome_[static_cast<std::size_t>(Added::kTooLate)] +
+                               samples_by_outcome_[static_cast<std::size_t>(Added::kJump)];
   diagnostic_msgs::DiagnosticArray message;
   message.header.stamp = ros::Time::now();
-  message.status.push_back(status);
+  message.status.push_back(
+      diagnose(samples_received_ - diagnosed_received_, unused - diagnosed_unused_));
+  diagnosed_received_ = samples_received_;
+  diagnosed_unused_ = unused;
   diagnostics_.publish(message);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include <diagnostic_msgs/DiagnosticStatus.h>
 #include <nav_msgs/Odometry.h>
 #include <ram_slam_msgs/PredictState.h>
 #include <ram_slam_msgs/PredictStateWithCovariance.h>
@@ -36,6 +37,8 @@ private:
   bool onSampleStates(ram_slam_msgs::SampleStates::Request& request,
                       ram_slam_msgs::SampleStates::Response& response);
   void publishDiagnostics();
+  /// \param received, unused  samples since the last report
+  diagnostic_msgs::DiagnosticStatus diagnose(std::uint64_t received, std::uint64_t unused) const;
 
   ramscout_kinematics::KinematicsParameters parameters_;
   ramscout_kinematics::Kinematics kinematics_;

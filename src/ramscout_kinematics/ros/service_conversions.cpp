@@ -9,7 +9,6 @@ namespace ramscout_kinematics_ros {
 namespace {
 
 using Status = ram_slam_msgs::SampleStates::Response;
-constexpr std::uint32_t kMaxStates = 100000;
 
 void checkFinite(const Eigen::MatrixXd& states) {
   if (!states.allFinite()) throw InvalidRequest(Status::INVALID_STATE, "state is not finite");
@@ -46,10 +45,12 @@ Eigen::MatrixXd toCovariance(const std::vector<float>& values, Eigen::Index size
   }
 }
 
-Eigen::MatrixXd toStates(const std::vector<double>& values, std::uint32_t count) {
-  if (count == 0 || count > kMaxStates) {
-    throw InvalidRequest(Status::INVALID_STATE,
-                         "count must be 1..100000, got " + std::to_string(count));
+Eigen::MatrixXd toStates(const std::vector<double>& values,
+                         std::uint32_t count,
+                         std::uint32_t most) {
+  if (count == 0 || count > most) {
+    throw InvalidRequest(Status::INVALID_STATE, "count must be 1.." + std::to_string(most) +
+                                                    ", got " + std::to_string(count));
   }
   if (values.size() % count != 0 || !ramscout_kinematics::isStateSize(values.size() / count)) {
     throw InvalidRequest(Status::INVALID_STATE, "a state has 3 or 6 numbers, got " +

@@ -13,7 +13,7 @@
 
 namespace ramscout_kinematics_ros {
 
-/// A request that is wrong in itself, with the status of SampleStates.srv that says so.
+/// A request that is wrong in itself, with its status in SampleStates.srv.
 class InvalidRequest : public std::invalid_argument {
 public:
   InvalidRequest(std::uint8_t the_status, const std::string& message)
@@ -25,9 +25,11 @@ public:
 Eigen::VectorXd toState(const std::vector<float>& values);
 /// \throws InvalidRequest unless it is n x n and passes ramscout_kinematics::checkedCovariance()
 Eigen::MatrixXd toCovariance(const std::vector<float>& values, Eigen::Index size);
-/// One state per column. \throws InvalidRequest unless 1 <= count <= 100000 and there are 3 or 6
+/// One state per column. \throws InvalidRequest unless 1 <= count <= most and there are 3 or 6
 /// finite numbers each
-Eigen::MatrixXd toStates(const std::vector<double>& values, std::uint32_t count);
+Eigen::MatrixXd toStates(const std::vector<double>& values,
+                         std::uint32_t count,
+                         std::uint32_t most);
 
 /// Rounded once, row-major.
 std::vector<float> toFloats(const Eigen::MatrixXd& values);

@@ -7,14 +7,14 @@ namespace ramscout_kinematics {
 namespace {
 
 /// Inside a function, so that it exists before the first registration wants it.
-std::map<std::string, ReadDriveModel>& registry() {
-  static std::map<std::string, ReadDriveModel> models;
+std::map<std::string, DriveModelType>& registry() {
+  static std::map<std::string, DriveModelType> models;
   return models;
 }
 
 }  // namespace
 
-const std::map<std::string, ReadDriveModel>& driveModels() {
+const std::map<std::string, DriveModelType>& driveModels() {
   return registry();
 }
 
@@ -26,11 +26,11 @@ std::shared_ptr<const DriveModel> makeDriveModel(const std::string& name) {
     throw std::invalid_argument("model must be one of " + known + ", got '" + name + "'");
   }
   ram_parameters::ParameterReader defaults{YAML::Node(), name};
-  return found->second(defaults);
+  return found->second.read(defaults);
 }
 
-DriveModelRegistration::DriveModelRegistration(const char* name, ReadDriveModel read) {
-  registry().emplace(name, read);
+DriveModelRegistration::DriveModelRegistration(const char* name, const DriveModelType& type) {
+  registry().emplace(name, type);
 }
 
 }  // namespace ramscout_kinematics

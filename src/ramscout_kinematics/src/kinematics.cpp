@@ -13,20 +13,20 @@
 
 #include "ram_slam/geometry/random.hpp"
 
-#include "check.hpp"
-
 namespace ramscout_kinematics {
 namespace {
 
 using ram_slam::Pose2;
 using ram_slam::PoseWithCovariance2;
 
-/// Slower than this [m/s, rad/s] a robot seems to stand still.
-constexpr double kStandingSpeed = 0.005;
 /// Longest turn over which the noise is integrated by one set of Gauss-Legendre points; keeps the
 /// error below 1e-10.
 constexpr double kQuadratureStepRad = 0.1;
+/// Relative to the largest entry: matrices that went through a few operations in single precision
+/// (1e-7 each) are symmetric to far better than this.
 constexpr double kSymmetryTolerance = 1e-4;
+/// Relative to the trace: what rounding an entry to single precision moves eigenvalues by,
+/// times 10.
 constexpr double kEigenvalueTolerance = 1e-6;
 
 /// Gauss-Legendre quadrature on [0, 1], exact up to degree 5.
@@ -118,43 +118,6 @@ void setPlanarPart(Eigen::Ref<Eigen::VectorXd> state, const Pose2& pose) {
 
 }  // namespace
 
-void KinematicsParameters::validate() const {
-  check(drive_model != nullptr, "model", model, "the name of a drive model");
-  check(standing_sigma_m >= 0.0, "standing_sigma_m", standing_sigma_m, ">= 0");
-  check(standing_sigma_rad >= 0.0, "standing_sigma_rad", standing_sigma_rad, ">= 0");
-  buffer.validate();
-}
-
-KinematicsParameters readKinematicsParameters(ram_parameters::ParameterReader& reader) {
-  KinematicsParameters parameters;
-  OdometryBufferParameters& buffer = parameters.buffer;
-  reader.read("model", parameters.model);
-  parameters.drive_model = makeDriveModel(parameters.model);
-  for (const auto& [name, read] : driveModels()) {
-    ram_parameters::ParameterReader section = reader.section(name);
-    const auto model = read(section);
-    if (name == parameters.model) parameters.drive_model = model;
-  }
-  reader.read("standing_sigma_m", parameters.standing_sigma_m);
-  reader.read("standing_sigma_rad", parameters.standing_sigma_rad);
-  reader.read("odom_frame", parameters.odom_frame);
-  reader.read("base_frame", parameters.base_frame);
-  reader.read("seed", parameters.seed);
-  reader.read("buffer_duration_s", buffer.buffer_duration_s);
-  reader.read("reorder_window_s", buffer.reorder_window_s);
-  reader.read("clock_jump_s", buffer.clock_jump_s);
-  reader.read("max_extrapolation_s", buffer.max_extrapolation_s);
-  reader.read("gap_s", buffer.gap_s);
-  reader.read("max_gap_s", buffer.max_gap_s);
-  reader.read("max_speed_mps", buffer.max_speed_mps);
-  reader.read("max_turn_rate_radps", buffer.max_turn_rate_radps);
-  reader.read("acceleration_sigma_mps2", buffer.acceleration_sigma_mps2);
-  reader.read("turn_acceleration_sigma_radps2", buffer.turn_acceleration_sigma_radps2);
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
-}
-
 Kinematics::Kinematics(const KinematicsParameters& parameters)
     : parameters_(parameters), buffer_(parameters.buffer) {
   parameters_.validate();
@@ -189,7 +152,9 @@ PoseWithCovariance2 Kinematics::motion(std::int64_t from_ns, std::int64_t to_ns)
 PoseWithCovariance2 Kinematics::motionAlong(const MotionSegment& segment) const {
   Eigen::Matrix3d noise = segment.noise_factor * parameters_.drive_model->noise(segment.increment);
   noise.diagonal() += segment.added_variance;
-  if (segment.increment.cwiseAbs().maxCoeff() < kStandingSpeed * segment.duration_s) {
+  const Eigen::Vector3d moved = segment.increment.cwiseAbs();
+  if (moved.head<2>().maxCoeff() < parameters_.standing_speed_mps * segment.duration_s &&
+      moved.z() < parameters_.standing_turn_rate_radps * segment.duration_s) {
     const double variance_m2 = std::pow(parameters_.standing_sigma_m, 2) * segment.duration_s;
     const double variance_rad2 = std::pow(parameters_.standing_sigma_rad, 2) * segment.duration_s;
     noise.diagonal() += Eigen::Vector3d(variance_m2, variance_m2, variance_rad2);

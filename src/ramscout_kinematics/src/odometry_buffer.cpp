@@ -6,48 +6,74 @@
 #include <cstdio>
 #include <iterator>
 
-#include "check.hpp"
-
 namespace ramscout_kinematics {
 namespace {
 
-constexpr double kNanosecondsPerSecond = 1e9;
-/// Slack of the plausibility test, for stamps that jitter.
-constexpr double kJumpSlackM = 0.1;
-constexpr double kJumpSlackRad = 0.1;
-/// Shortest time over which two poses tell a velocity.
-constexpr double kTwistBaselineS = 0.02;
-
 double secondsBetween(std::int64_t from_ns, std::int64_t to_ns) {
-  return static_cast<double>(to_ns - from_ns) / kNanosecondsPerSecond;
+  return static_cast<double>(to_ns - from_ns) / 1e9;
 }
 
 std::int64_t toNanoseconds(double duration_s) {
-  return static_cast<std::int64_t>(std::llround(duration_s * kNanosecondsPerSecond));
+  return static_cast<std::int64_t>(std::llround(duration_s * 1e9));
 }
 
 std::string toText(std::int64_t stamp_ns) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.9f", static_cast<double>(stamp_ns) / kNanosecondsPerSecond);
+  std::snprintf(text, sizeof text, "%.9f", secondsBetween(0, stamp_ns));
   return text;
 }
 
 }  // namespace
 
+const ram_parameters::ParameterTable<OdometryBufferParameters>& OdometryBufferParameters::table() {
+  using namespace ram_parameters;
+  using P = OdometryBufferParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("buffer_duration_s", &P::buffer_duration_s, "s", aboveUpTo(0.0, 3600.0),
+               "Length of the history that can be asked about.")
+          .add("reorder_window_s", &P::reorder_window_s, "s", atLeast(0.0),
+               "Odometry that arrives out of order by up to this is put in its place, later it is "
+               "dropped.")
+          .rule(&P::reorder_window_s, "<= clock_jump_s",
+                [](const P& p) { return p.reorder_window_s <= p.clock_jump_s; })
+          .add("clock_jump_s", &P::clock_jump_s, "s", anyNumber(),
+               "Odometry older than the newest by more than this means that the clock was set "
+               "back: the history is forgotten.")
+          .rule(&P::clock_jump_s, "<= buffer_duration_s",
+                [](const P& p) { return p.clock_jump_s <= p.buffer_duration_s; })
+          .add("max_extrapolation_s", &P::max_extrapolation_s, "s", atLeast(0.0),
+               "How far past the newest odometry a request may reach; the last velocity is "
+               "continued, with more noise.")
+          .add("acceleration_sigma_mps2", &P::acceleration_sigma_mps2, "m/s^2", atLeast(0.0),
+               "Standard deviation of the unknown acceleration during that time.")
+          .add("turn_acceleration_sigma_radps2", &P::turn_acceleration_sigma_radps2, "rad/s^2",
+               atLeast(0.0), "The same of the turn.")
+          .add("gap_s", &P::gap_s, "s", positive(),
+               "A longer interval between two samples is a gap; its noise is multiplied by "
+               "interval / gap_s.")
+          .add("max_gap_s", &P::max_gap_s, "s", anyNumber(),
+               "Requests that touch a longer gap than this are refused.")
+          .rule(&P::max_gap_s, ">= gap_s", [](const P& p) { return p.max_gap_s >= p.gap_s; })
+          .add("max_speed_mps", &P::max_speed_mps, "m/s", positive(),
+               "Fastest the robot moves. Samples that imply twice that are jumps and not used; "
+               "three in a row mean that the odometry's origin was moved, and motion continues "
+               "from there.")
+          .add("max_turn_rate_radps", &P::max_turn_rate_radps, "rad/s", positive(),
+               "Fastest the robot turns; jumps as above.")
+          .expert("Odometry samples")
+          .add("jump_slack_m", &P::jump_slack_m, "m", atLeast(0.0),
+               "Distance a sample may be off beyond twice the speed before it is a jump: stamps "
+               "jitter.")
+          .add("jump_slack_rad", &P::jump_slack_rad, "rad", atLeast(0.0),
+               "Angle a sample may be off beyond twice the turn rate before it is a jump.")
+          .add("twist_baseline_s", &P::twist_baseline_s, "s", positive(),
+               "Shortest time between two poses from which the last velocity is computed.");
+  return table;
+}
+
 void OdometryBufferParameters::validate() const {
-  check(buffer_duration_s > 0.0 && buffer_duration_s <= 3600.0, "buffer_duration_s",
-        buffer_duration_s, "in (0, 3600]");
-  check(reorder_window_s >= 0.0 && reorder_window_s <= clock_jump_s, "reorder_window_s",
-        reorder_window_s, "in [0, clock_jump_s]");
-  check(clock_jump_s <= buffer_duration_s, "clock_jump_s", clock_jump_s, "<= buffer_duration_s");
-  check(max_extrapolation_s >= 0.0, "max_extrapolation_s", max_extrapolation_s, ">= 0");
-  check(gap_s > 0.0, "gap_s", gap_s, "> 0");
-  check(max_gap_s >= gap_s, "max_gap_s", max_gap_s, ">= gap_s");
-  check(max_speed_mps > 0.0, "max_speed_mps", max_speed_mps, "> 0");
-  check(max_turn_rate_radps > 0.0, "max_turn_rate_radps", max_turn_rate_radps, "> 0");
-  check(acceleration_sigma_mps2 >= 0.0, "acceleration_sigma_mps2", acceleration_sigma_mps2, ">= 0");
-  check(turn_acceleration_sigma_radps2 >= 0.0, "turn_acceleration_sigma_radps2",
-        turn_acceleration_sigma_radps2, ">= 0");
+  table().check(*this);
 }
 
 OdometryBuffer::OdometryBuffer(const OdometryBufferParameters& parameters)
@@ -121,9 +147,10 @@ bool OdometryBuffer::originMovedAt(std::size_t last_of_three) const {
 bool OdometryBuffer::isPlausible(const OdometrySample& before, const OdometrySample& after) const {
   const double interval_s = secondsBetween(before.stamp_ns, after.stamp_ns);
   const ram_slam::Pose2 moved = before.odom_from_base.inverse() * after.odom_from_base;
-  return moved.translation().norm() <= 2.0 * parameters_.max_speed_mps * interval_s + kJumpSlackM &&
+  return moved.translation().norm() <=
+             2.0 * parameters_.max_speed_mps * interval_s + parameters_.jump_slack_m &&
          std::abs(moved.yaw_rad) <=
-             2.0 * parameters_.max_turn_rate_radps * interval_s + kJumpSlackRad;
+             2.0 * parameters_.max_turn_rate_radps * interval_s + parameters_.jump_slack_rad;
 }
 
 void OdometryBuffer::forgetOld() {
@@ -220,13 +247,14 @@ MotionSegment OdometryBuffer::beyond(Iterator newest,
 Eigen::Vector3d OdometryBuffer::latestTwist(Iterator newest) const {
   Iterator start = newest;
   double baseline_s = 0.0;
-  while (baseline_s < kTwistBaselineS && start != entries_.begin() &&
+  while (baseline_s < parameters_.twist_baseline_s && start != entries_.begin() &&
          start->standing == Standing::kAccepted) {
     --start;
     while (start->standing == Standing::kHeldBack) --start;
     baseline_s = secondsBetween(start->sample.stamp_ns, newest->sample.stamp_ns);
   }
-  if (baseline_s < kTwistBaselineS || baseline_s > parameters_.gap_s) return newest->sample.twist;
+  if (baseline_s < parameters_.twist_baseline_s || baseline_s > parameters_.gap_s)
+    return newest->sample.twist;
   return ram_slam::logarithm(start->sample.odom_from_base.inverse() *
                              newest->sample.odom_from_base) /
          baseline_s;

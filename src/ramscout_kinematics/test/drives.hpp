@@ -6,8 +6,10 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <gtest/gtest.h>
 
 #include "ram_slam/geometry/random.hpp"
+#include "ramscout_kinematics/differential_drive.hpp"
 #include "ramscout_kinematics/kinematics.hpp"
 
 namespace ramscout_kinematics {
@@ -65,6 +67,34 @@ inline KinematicsParameters unlimited(const std::shared_ptr<const DriveModel>& m
   parameters.buffer.max_speed_mps = 100.0;
   parameters.buffer.max_turn_rate_radps = 100.0;
   return parameters;
+}
+
+constexpr double kRoundingOnly = 1e-12;
+
+inline std::shared_ptr<const DriveModel> differential(double separation_m,
+                                                      double left,
+                                                      double right) {
+  DifferentialDriveParameters parameters;
+  parameters.wheel_separation_m = separation_m;
+  parameters.left_noise_m2_per_m = left;
+  parameters.right_noise_m2_per_m = right;
+  return std::make_shared<DifferentialDrive>(parameters);
+}
+
+inline void expectRelativelyNear(const Eigen::MatrixXd& a,
+                                 const Eigen::MatrixXd& b,
+                                 double tolerance) {
+  EXPECT_LE((a - b).norm(), tolerance * b.norm()) << a << "\n\nwanted\n\n" << b;
+}
+
+inline void expectNear(const ram_slam::Pose2& a, const ram_slam::Pose2& b, double tolerance) {
+  EXPECT_NEAR(a.x_m, b.x_m, tolerance);
+  EXPECT_NEAR(a.y_m, b.y_m, tolerance);
+  EXPECT_NEAR(ram_slam::wrapAngle(a.yaw_rad - b.yaw_rad), 0.0, tolerance);
+}
+
+inline Eigen::Vector3d toVector(const ram_slam::Pose2& pose) {
+  return {pose.x_m, pose.y_m, pose.yaw_rad};
 }
 
 }  // namespace ramscout_kinematics

@@ -20,129 +20,6 @@ namespace {
 using ram_slam::Pose2;
 using ram_slam::PoseWithCovariance2;
 
-constexpr double kRoundingOnly = 1e-12;
-
-std::shared_ptr<const DriveModel> differential(double separation_m, double left, double right) {
-  DifferentialDriveParameters parameters;
-  parameters.wheel_separation_m = separation_m;
-  parameters.left_noise_m2_per_m = left;
-  parameters.right_noise_m2_per_m = right;
-  return std::make_shared<DifferentialDrive>(parameters);
-}
-
-/// Noise densities per metre of path of curvature kappa (algorithm of the differential drive, by
-/// hand).
-struct Densities {
-  Densities(double separation_m, double left, double right, double kappa) {
-    const double r = right * std::abs(1.0 + separation_m * kappa / 2.0);
-    const double l = left * std::abs(1.0 - separation_m * kappa / 2.0);
-    s = (r + l) / 4.0;
-    t = (r + l) / (separation_m * separation_m);
-    st = (r - l) / (2.0 * separation_m);
-  }
-  double s, t, st;
-};
-
-void expectRelativelyNear(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double tolerance) {
-  EXPECT_LE((a - b).norm(), tolerance * b.norm()) << a << "\n\nwanted\n\n" << b;
-}
-
-void expectNear(const Pose2& a, const Pose2& b, double tolerance) {
-  EXPECT_NEAR(a.x_m, b.x_m, tolerance);
-  EXPECT_NEAR(a.y_m, b.y_m, tolerance);
-  EXPECT_NEAR(ram_slam::wrapAngle(a.yaw_rad - b.yaw_rad), 0.0, tolerance);
-}
-
-Eigen::Vector3d toVector(const Pose2& pose) {
-  return {pose.x_m, pose.y_m, pose.yaw_rad};
-}
-
-TEST(Kinematics, StraightDriveHasTheClosedFormNoise) {
-  const double length_m = 3.0;
-  Kinematics kinematics(unlimited(differential(0.5, 1e-4, 3e-4)));
-  addAll(kinematics, drive({1.0, 0.0, 0.0}, length_m, 0.01));
-  const PoseWithCovariance2 motion = kinematics.motion(after(0.0), after(length_m));
-  expectNear(motion.pose, {length_m, 0.0, 0.0}, 1e-9);
-
-  const Densities q(0.5, 1e-4, 3e-4, 0.0);
-  const double l = length_m;
-  Eigen::Matrix3d expected;
-  expected << q.s * l, q.st * l * l / 2, q.st * l,             //
-      q.st * l * l / 2, q.t * l * l * l / 3, q.t * l * l / 2,  //
-      q.st * l, q.t * l * l / 2, q.t * l;
-  expectRelativelyNear(motion.covariance, expected, 1e-9);
-}
-
-TEST(Kinematics, QuarterCircleHasTheClosedFormNoise) {
-  const double radius_m = 2.0;
-  const double length_m = radius_m * M_PI_2;
-  for (const double period_s : {M_PI_2, M_PI_2 / 7.0, M_PI_2 / 1000.0}) {
-    Kinematics kinematics(unlimited(differential(0.5, 4e-5, 6e-5)));
-    addAll(kinematics, drive({radius_m, 0.0, 1.0}, M_PI_2, period_s));
-    const PoseWithCovariance2 motion = kinematics.motion(after(0.0), after(M_PI_2));
-    expectNear(motion.pose, {radius_m, radius_m, M_PI_2}, 1e-8);
-
-    const Densities q(0.5, 4e-5, 6e-5, 1.0 / radius_m);
-    const double r = radius_m;
-    EXPECT_NEAR(motion.covariance(0, 0), M_PI * r / 4 * (q.s + q.t * r * r - 2 * r * q.st), 1e-9);
-    EXPECT_NEAR(motion.covariance(1, 1),
-                r * (q.s * M_PI_4 + q.t * r * r * (3 * M_PI_4 - 2) + 2 * q.st * r * (1 - M_PI_4)),
-                1e-9);
-    EXPECT_NEAR(motion.covariance(0, 2), r * (q.st - q.t * r), 1e-9);
-    EXPECT_NEAR(motion.covariance(1, 2), r * (q.st + q.t * r * (M_PI_2 - 1)), 1e-9);
-    EXPECT_NEAR(motion.covariance(2, 2), q.t * length_m, 1e-9);
-  }
-}
-
-TEST(Kinematics, QuarterCircleHasTheNoiseThatMonteCarloFound) {
-  Kinematics kinematics(unlimited(differential(0.5, 4e-5, 4e-5)));
-  addAll(kinematics, drive({2.0, 0.0, 1.0}, M_PI_2, M_PI_2 / 50.0));
-  const Eigen::Matrix3d covariance = kinematics.motion(after(0.0), after(M_PI_2)).covariance;
-  EXPECT_NEAR(covariance(0, 0), 0.0019792, 1e-7);
-  EXPECT_NEAR(covariance(1, 1), 0.00096044, 1e-7);
-  EXPECT_NEAR(covariance(0, 2), -0.00126, 4e-6);
-  EXPECT_NEAR(covariance(1, 2), 0.0007506, 1e-6);
-  EXPECT_NEAR(covariance(2, 2), 0.0010053, 1e-7);
-}
-
-/// An independent slow simulation: each wheel draws its error every millimetre, poses are added up
-/// by midpoints.
-TEST(Kinematics, NoiseAgreesWithWheelsThatErrEveryMillimetre) {
-  const double separation_m = 0.4, left = 4e-6, right = 1e-5;
-  const double turn_per_metre = 0.8, length_m = 1.5;
-  Kinematics kinematics(unlimited(differential(separation_m, left, right)));
-  addAll(kinematics, drive({1.0, 0.0, turn_per_metre}, length_m, 0.02));
-  const PoseWithCovariance2 motion = kinematics.motion(after(0.0), after(length_m));
-
-  const int runs = 4000, steps = 1500;
-  const double step_m = length_m / steps;
-  ram_slam::Random random(7);
-  Eigen::Matrix3d simulated = Eigen::Matrix3d::Zero();
-  for (int run = 0; run < runs; ++run) {
-    double x = 0.0, y = 0.0, yaw = 0.0;
-    for (int step = 0; step < steps; ++step) {
-      const double r = step_m * (1.0 + separation_m * turn_per_metre / 2.0);
-      const double l = step_m * (1.0 - separation_m * turn_per_metre / 2.0);
-      const double noisy_r = r + std::sqrt(right * r) * random.gaussian();
-      const double noisy_l = l + std::sqrt(left * l) * random.gaussian();
-      const double turn = (noisy_r - noisy_l) / separation_m;
-      x += (noisy_r + noisy_l) / 2.0 * std::cos(yaw + turn / 2.0);
-      y += (noisy_r + noisy_l) / 2.0 * std::sin(yaw + turn / 2.0);
-      yaw += turn;
-    }
-    const Eigen::Vector3d error = Eigen::Vector3d(x, y, yaw) - toVector(motion.pose);
-    simulated += error * error.transpose() / runs;
-  }
-  // The standard error of a variance from n runs is sqrt(2 / n) = 2.2 %.
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const double scale = std::sqrt(motion.covariance(i, i) * motion.covariance(j, j));
-      EXPECT_NEAR(simulated(i, j), motion.covariance(i, j), 3.5 * std::sqrt(2.0 / runs) * scale)
-          << i << j;
-    }
-  }
-}
-
 class EveryModel : public testing::TestWithParam<std::string> {};
 
 INSTANTIATE_TEST_SUITE_P(Kinematics,
@@ -184,18 +61,6 @@ TEST(Kinematics, YawGoesOverTheEndOfItsRange) {
   EXPECT_NEAR(end(0), 1.0, kRoundingOnly);
   const PoseWithCovariance2 motion = kinematics.motion(after(1.0), after(2.0));
   EXPECT_NEAR(motion.pose.yaw_rad, 2.0, 1e-8);
-}
-
-TEST(Kinematics, BackwardDriveHasTheNoiseOfTheForwardDriveMirrored) {
-  Kinematics forward(unlimited(differential(0.4, 1e-4, 1e-4)));
-  Kinematics backward(unlimited(differential(0.4, 1e-4, 1e-4)));
-  addAll(forward, drive({1.0, 0.0, 0.3}, 2.0, 0.02));
-  addAll(backward, drive({-1.0, 0.0, -0.3}, 2.0, 0.02));
-  const PoseWithCovariance2 there = forward.motion(after(0.0), after(2.0));
-  const PoseWithCovariance2 back = backward.motion(after(0.0), after(2.0));
-  EXPECT_NEAR(back.covariance(1, 1), there.covariance(1, 1), kRoundingOnly);
-  EXPECT_NEAR(back.covariance(2, 2), there.covariance(2, 2), kRoundingOnly);
-  EXPECT_NEAR(back.covariance(1, 2), -there.covariance(1, 2), kRoundingOnly);
 }
 
 TEST(Kinematics, EmptyIntervalIsTheIdentityAndHasNoSpread) {
@@ -313,17 +178,6 @@ TEST(Kinematics, PassesHeightRollAndPitchThroughWithTheirVariances) {
   }
 }
 
-TEST(Kinematics, StandingStillSpreadsWithTheRootOfTheTime) {
-  KinematicsParameters parameters = unlimited(differential(0.4, 1e-4, 1e-4));
-  parameters.standing_sigma_m = 0.002;
-  parameters.standing_sigma_rad = 0.003;
-  Kinematics kinematics(parameters);
-  addAll(kinematics, drive({0.0, 0.0, 0.0}, 4.0, 0.02));
-  const Eigen::Matrix3d covariance = kinematics.motion(after(0.0), after(4.0)).covariance;
-  EXPECT_NEAR(covariance(0, 0), 4.0 * 0.002 * 0.002, kRoundingOnly);
-  EXPECT_NEAR(covariance(2, 2), 4.0 * 0.003 * 0.003, kRoundingOnly);
-}
-
 TEST(Kinematics, RefusesStatesThatAreNotOne) {
   Kinematics kinematics(unlimited(differential(0.4, 1e-4, 1e-4)));
   addAll(kinematics, drive({1.0, 0.0, 0.3}, 2.0, 0.02));
@@ -421,46 +275,6 @@ TEST(Kinematics, AnswersWhileOdometryIsAdded) {
                ram_slam::exponential(Eigen::Vector3d(1.0, 0.0, 0.3)), 1e-6);
   }
   adder.join();
-}
-
-ram_parameters::ParameterReader reader(const std::string& yaml) {
-  return {YAML::Load(yaml), "test"};
-}
-
-TEST(ReadKinematicsParameters, ChoosesTheModelAndReadsItsBlock) {
-  auto source = reader(
-      "{model: differential, differential: {left_noise_m2_per_m: 4.0, right_noise_m2_per_m: 0}}");
-  const auto parameters = readKinematicsParameters(source);
-  EXPECT_EQ(parameters.drive_model->noise({1.0, 0.0, 0.0})(0, 0), 1.0);
-}
-
-/// A platform of the test's own: it slides.
-class Sledge : public DriveModel {
-public:
-  Eigen::Matrix3d noise(const Eigen::Vector3d& increment) const override {
-    return increment.norm() * Eigen::Matrix3d::Identity();
-  }
-};
-const DriveModelRegistration kSledge(
-    "sledge", [](ram_parameters::ParameterReader& reader) -> std::shared_ptr<const DriveModel> {
-      reader.rejectUnknown();
-      return std::make_shared<Sledge>();
-    });
-
-TEST(ReadKinematicsParameters, ModelIsKnownByItsRegistrationAlone) {
-  auto source = reader("{model: sledge}");
-  Kinematics kinematics(readKinematicsParameters(source));
-  addAll(kinematics, drive({1.0, 0.0, 0.0}, 1.0, 0.1));
-  EXPECT_NEAR(kinematics.motion(after(0.0), after(1.0)).covariance(2, 2), 1.0, 1e-9);
-}
-
-TEST(ReadKinematicsParameters, RefusesWhatItDoesNotKnow) {
-  for (const char* yaml :
-       {"{model: tank}", "{modell: differential}", "{differential: {wheel_seperation_m: 0.4}}",
-        "{differential: {wheel_separation_m: 0}}", "{buffer_duration_s: -1}", "{max_gap_s: 0.1}"}) {
-    auto source = reader(yaml);
-    EXPECT_THROW(readKinematicsParameters(source), std::invalid_argument) << yaml;
-  }
 }
 
 }  // namespace

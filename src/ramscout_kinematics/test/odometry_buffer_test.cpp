@@ -253,7 +253,8 @@ TEST(OdometryBuffer, MotionGoesOnFromAnOriginThatMoved) {
     EXPECT_EQ(outcomes[1], Added::kJump);
     EXPECT_EQ(outcomes[2], Added::kDiscontinuity);
     EXPECT_EQ(outcomes[3], Added::kInOrder);
-    // What was driven before and after is kept; what was driven meanwhile is unknown, and said so.
+    // What was driven before and after is kept; what was driven meanwhile is unknown: large
+    // variance.
     EXPECT_NEAR(motion(buffer, 0.5, 1.5).x_m, 0.5 + 0.49, 1e-9);
     const auto across = buffer.segments(after(1.0), after(1.01));
     ASSERT_EQ(across.size(), 1u);
@@ -279,6 +280,43 @@ TEST(OdometryBuffer, SlowAndIrregularOdometryIsInterpolated) {
   for (const double time_s : {0.0, 0.5, 0.9, 1.4, 1.6, 2.0})
     buffer.add({after(time_s), {time_s, 0.0, 0.0}});
   EXPECT_NEAR(motion(buffer, 0.25, 1.85).x_m, 1.6, 1e-9);
+}
+
+TEST(OdometryBuffer, JumpIsWhatExceedsTwiceTheSpeedAndTheSlack) {
+  OdometryBufferParameters parameters;
+  parameters.max_speed_mps = 1.0;
+  parameters.jump_slack_m = 0.3;
+  const auto outcomeOf = [&](double step_m) {
+    OdometryBuffer buffer(parameters);
+    buffer.add({after(0.0), {0.0, 0.0, 0.0}});
+    return buffer.add({after(0.1), {step_m, 0.0, 0.0}});
+  };
+  EXPECT_EQ(outcomeOf(0.49), Added::kInOrder);  // 2 * 1 m/s * 0.1 s + 0.3 m = 0.5 m
+  EXPECT_EQ(outcomeOf(0.51), Added::kJump);
+}
+
+TEST(OdometryBuffer, LastVelocityIsThatOverTheBaseline) {
+  OdometryBufferParameters parameters = extrapolating();
+  std::vector<OdometrySample> samples = drive({1.0, 0.0, 0.0}, 1.0, 0.01);
+  samples.back().odom_from_base.x_m += 0.01;  // the last step is twice as long
+  EXPECT_NEAR(motion(bufferOf(samples, parameters), 1.0, 1.1).x_m, 0.15, 1e-9);
+  parameters.twist_baseline_s = 0.1;
+  EXPECT_NEAR(motion(bufferOf(samples, parameters), 1.0, 1.1).x_m, 0.11, 1e-9);
+}
+
+TEST(OdometryBufferParameters, RefusesValuesThatContradictEachOther) {
+  const auto refuses = [](double OdometryBufferParameters::*field, double value) {
+    OdometryBufferParameters bad;
+    bad.*field = value;
+    EXPECT_THROW(OdometryBuffer{bad}, std::invalid_argument);
+  };
+  refuses(&OdometryBufferParameters::reorder_window_s, 1.1);
+  refuses(&OdometryBufferParameters::reorder_window_s, -0.1);
+  refuses(&OdometryBufferParameters::clock_jump_s, 31.0);
+  refuses(&OdometryBufferParameters::buffer_duration_s, 3601.0);
+  refuses(&OdometryBufferParameters::max_gap_s, 0.4);
+  refuses(&OdometryBufferParameters::gap_s, 0.0);
+  refuses(&OdometryBufferParameters::max_speed_mps, std::numeric_limits<double>::quiet_NaN());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_kinematics/drive_model.hpp"
 
 namespace ramscout_kinematics {
@@ -16,12 +17,10 @@ struct AckermannDriveParameters {
   double steering_sigma_rad = 0.02;
   double steering_correlation_m = 0.5;
 
+  static const ram_parameters::ParameterTable<AckermannDriveParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };
-
-/// \throws std::invalid_argument for an unknown key, a wrong type or a value out of range
-AckermannDriveParameters readAckermannDriveParameters(ram_parameters::ParameterReader& reader);
 
 /// turn = distance tan(steering) / wheelbase, with white noise per metre on the distance and on the
 /// steering angle: per metre q_distance = k, q_turn = (tan(steering) / wheelbase)^2 k + sigma^2 l /

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_kinematics/drive_model.hpp"
 
 namespace ramscout_kinematics {
@@ -13,13 +14,10 @@ struct DifferentialDriveParameters {
   double left_noise_m2_per_m = 1e-8;
   double right_noise_m2_per_m = 1e-8;
 
+  static const ram_parameters::ParameterTable<DifferentialDriveParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };
-
-/// \throws std::invalid_argument for an unknown key, a wrong type or a value out of range
-DifferentialDriveParameters readDifferentialDriveParameters(
-    ram_parameters::ParameterReader& reader);
 
 /// White noise per metre on the travel of each wheel: with r and l the travels of right and left
 /// wheel, var(r) = k_r |r|, var(l) = k_l |l|, forward = (r + l) / 2, turn = (r - l) / separation.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_kinematics/drive_model.hpp"
 
 namespace ramscout_kinematics {
@@ -15,12 +16,10 @@ struct HolonomicDriveParameters {
   double turn_noise_rad2_per_rad = 1e-3;
   double turn_noise_rad2_per_m = 1e-3;
 
+  static const ram_parameters::ParameterTable<HolonomicDriveParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };
-
-/// \throws std::invalid_argument for an unknown key, a wrong type or a value out of range
-HolonomicDriveParameters readHolonomicDriveParameters(ram_parameters::ParameterReader& reader);
 
 /// White noise on forward, lateral and turning motion, each on its own.
 class HolonomicDrive : public DriveModel {

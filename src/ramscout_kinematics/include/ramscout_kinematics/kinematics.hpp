@@ -2,43 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <shared_mutex>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/motion/motion_model.hpp"
-#include "ramscout_kinematics/drive_model.hpp"
+#include "ramscout_kinematics/kinematics_parameters.hpp"
 #include "ramscout_kinematics/odometry_buffer.hpp"
 
 namespace ramscout_kinematics {
-
-struct KinematicsParameters {
-  /// Name of the drive model; its own parameters are in a block of that name.
-  std::string model = "differential";
-  std::shared_ptr<const DriveModel> drive_model = makeDriveModel("differential");
-  /// Standard deviation of where a robot is that has seemed to stand still for 1 s; grows with the
-  /// root of the time.
-  double standing_sigma_m = 0.001;
-  double standing_sigma_rad = 0.001;
-  /// Frames that the node wants the odometry in; empty accepts any.
-  std::string odom_frame = "odom";
-  std::string base_frame = "base_link";
-  /// Of the node's `sample` service, whose requests carry none.
-  int seed = 1;
-  OdometryBufferParameters buffer;
-
-  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
-};
-
-/// Reads the whole of config/kinematics.yaml, the blocks of the models that are not chosen
-/// included. \throws std::invalid_argument for an unknown key, a wrong type or a value out of range
-KinematicsParameters readKinematicsParameters(ram_parameters::ParameterReader& reader);
 
 /// A state with its covariance; both of the same n.
 struct StateWithCovariance {
@@ -49,10 +23,10 @@ struct StateWithCovariance {
 /// The motion of the robot between any two stamps, from buffered odometry: where it went and how
 /// certain that is.
 ///
-/// Odometry tells the motion; the drive model tells its noise, white per metre of wheel travel and
-/// carried exactly along the path. So nothing depends on how an interval is split: f(a->c) =
+/// The motion comes from odometry, its noise from the drive model, white per metre of wheel travel
+/// and carried exactly along the path. So nothing depends on how an interval is split: f(a->c) =
 /// f(b->c) o f(a->b) for states and covariances. Samples are drawn from N(motion, covariance), the
-/// very distribution that predictWithCovariance() tells.
+/// very distribution that predictWithCovariance() returns.
 ///
 /// States: n = 3 is [x y yaw], n = 6 is [x y z roll pitch yaw] [m, rad] in any world frame. The
 /// motion is planar: it turns with the state's yaw; z, roll and pitch pass through with their

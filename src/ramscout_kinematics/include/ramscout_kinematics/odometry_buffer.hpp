@@ -9,16 +9,17 @@
 
 #include <Eigen/Core>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 
 namespace ramscout_kinematics {
 
-/// Where the wheels say the robot is.
+/// The robot's pose by its wheels.
 struct OdometrySample {
   std::int64_t stamp_ns = 0;
   ram_slam::Pose2 odom_from_base;
   /// Forward, left [m/s], turning [rad/s], in the base frame, as reported. Used only right after
-  /// the first sample, when there are no two poses yet to tell a velocity from.
+  /// the first sample, when there are no two poses yet that give a velocity.
   Eigen::Vector3d twist = Eigen::Vector3d::Zero();
 };
 
@@ -43,7 +44,13 @@ struct OdometryBufferParameters {
   /// Standard deviation of the unknown acceleration while extrapolating.
   double acceleration_sigma_mps2 = 1.0;
   double turn_acceleration_sigma_radps2 = 2.0;
+  /// What a sample may be off beyond the speed limits before it is a jump: stamps jitter.
+  double jump_slack_m = 0.1;
+  double jump_slack_rad = 0.1;
+  /// Shortest time between two poses that give a velocity.
+  double twist_baseline_s = 0.02;
 
+  static const ram_parameters::ParameterTable<OdometryBufferParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };
@@ -71,7 +78,7 @@ struct MotionSegment {
   Eigen::Vector3d added_variance = Eigen::Vector3d::Zero();
 };
 
-/// Why the buffer cannot tell a motion.
+/// Why the buffer does not know a motion.
 enum class Unavailable { kNoOdometry, kTooOld, kNotYetAvailable, kGap };
 
 /// A request that the odometry received so far does not cover.
@@ -98,8 +105,9 @@ public:
   Added add(const OdometrySample& sample);
 
   /// The motion from `from_ns` to `to_ns` in pieces, one per interval between samples that it
-  /// touches. \throws std::invalid_argument if to < from or a stamp is not positive \throws
-  /// OdometryUnavailable with the buffered stamps in the message
+  /// touches.
+  /// \throws std::invalid_argument if to < from or a stamp is not positive; OdometryUnavailable
+  /// with the buffered stamps in the message
   std::vector<MotionSegment> segments(std::int64_t from_ns, std::int64_t to_ns) const;
 
   bool empty() const { return entries_.empty(); }

@@ -4,38 +4,35 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../check.hpp"
-
 namespace ramscout_kinematics {
 namespace {
 
-std::shared_ptr<const DriveModel> readModel(ram_parameters::ParameterReader& reader) {
-  return std::make_shared<AckermannDrive>(readAckermannDriveParameters(reader));
-}
-
-const DriveModelRegistration kRegistration("ackermann", &readModel);
+const DriveModelRegistration kRegistration(
+    "ackermann", driveModelType<AckermannDrive, AckermannDriveParameters>());
 
 }  // namespace
 
-void AckermannDriveParameters::validate() const {
-  check(wheelbase_m > 0.0, "wheelbase_m", wheelbase_m, "> 0");
-  check(max_steering_rad > 0.0 && max_steering_rad < M_PI_2, "max_steering_rad", max_steering_rad,
-        "in (0, pi/2)");
-  check(distance_noise_m2_per_m >= 0.0, "distance_noise_m2_per_m", distance_noise_m2_per_m, ">= 0");
-  check(steering_sigma_rad >= 0.0, "steering_sigma_rad", steering_sigma_rad, ">= 0");
-  check(steering_correlation_m > 0.0, "steering_correlation_m", steering_correlation_m, "> 0");
+const ram_parameters::ParameterTable<AckermannDriveParameters>& AckermannDriveParameters::table() {
+  using namespace ram_parameters;
+  using P = AckermannDriveParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("wheelbase_m", &P::wheelbase_m, "m", positive(), "Distance of front and rear axle.")
+          .add("max_steering_rad", &P::max_steering_rad, "rad", positive(),
+               "Steepest steering angle; sharper turns are taken to be driven at this angle.")
+          .rule(&P::max_steering_rad, "< pi/2",
+                [](const P& p) { return p.max_steering_rad < M_PI_2; })
+          .add("distance_noise_m2_per_m", &P::distance_noise_m2_per_m, "m^2/m", atLeast(0.0),
+               "Variance of the distance per metre driven.")
+          .add("steering_sigma_rad", &P::steering_sigma_rad, "rad", atLeast(0.0),
+               "Standard deviation of the steering angle.")
+          .add("steering_correlation_m", &P::steering_correlation_m, "m", positive(),
+               "Distance over which the errors of the steering angle stay alike.");
+  return table;
 }
 
-AckermannDriveParameters readAckermannDriveParameters(ram_parameters::ParameterReader& reader) {
-  AckermannDriveParameters parameters;
-  reader.read("wheelbase_m", parameters.wheelbase_m);
-  reader.read("max_steering_rad", parameters.max_steering_rad);
-  reader.read("distance_noise_m2_per_m", parameters.distance_noise_m2_per_m);
-  reader.read("steering_sigma_rad", parameters.steering_sigma_rad);
-  reader.read("steering_correlation_m", parameters.steering_correlation_m);
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
+void AckermannDriveParameters::validate() const {
+  table().check(*this);
 }
 
 AckermannDrive::AckermannDrive(const AckermannDriveParameters& parameters)

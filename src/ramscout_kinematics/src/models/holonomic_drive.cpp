@@ -3,35 +3,32 @@
 
 #include <cmath>
 
-#include "../check.hpp"
-
 namespace ramscout_kinematics {
 namespace {
 
-std::shared_ptr<const DriveModel> readModel(ram_parameters::ParameterReader& reader) {
-  return std::make_shared<HolonomicDrive>(readHolonomicDriveParameters(reader));
-}
-
-const DriveModelRegistration kRegistration("holonomic", &readModel);
+const DriveModelRegistration kRegistration(
+    "holonomic", driveModelType<HolonomicDrive, HolonomicDriveParameters>());
 
 }  // namespace
 
-void HolonomicDriveParameters::validate() const {
-  check(forward_noise_m2_per_m >= 0.0, "forward_noise_m2_per_m", forward_noise_m2_per_m, ">= 0");
-  check(lateral_noise_m2_per_m >= 0.0, "lateral_noise_m2_per_m", lateral_noise_m2_per_m, ">= 0");
-  check(turn_noise_rad2_per_rad >= 0.0, "turn_noise_rad2_per_rad", turn_noise_rad2_per_rad, ">= 0");
-  check(turn_noise_rad2_per_m >= 0.0, "turn_noise_rad2_per_m", turn_noise_rad2_per_m, ">= 0");
+const ram_parameters::ParameterTable<HolonomicDriveParameters>& HolonomicDriveParameters::table() {
+  using namespace ram_parameters;
+  using P = HolonomicDriveParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("forward_noise_m2_per_m", &P::forward_noise_m2_per_m, "m^2/m", atLeast(0.0),
+               "Variance of the distance forward per metre forward.")
+          .add("lateral_noise_m2_per_m", &P::lateral_noise_m2_per_m, "m^2/m", atLeast(0.0),
+               "Variance of the distance to the left per metre to the left.")
+          .add("turn_noise_rad2_per_rad", &P::turn_noise_rad2_per_rad, "rad^2/rad", atLeast(0.0),
+               "Variance of the heading per radian turned.")
+          .add("turn_noise_rad2_per_m", &P::turn_noise_rad2_per_m, "rad^2/m", atLeast(0.0),
+               "Variance of the heading per metre moved in any direction.");
+  return table;
 }
 
-HolonomicDriveParameters readHolonomicDriveParameters(ram_parameters::ParameterReader& reader) {
-  HolonomicDriveParameters parameters;
-  reader.read("forward_noise_m2_per_m", parameters.forward_noise_m2_per_m);
-  reader.read("lateral_noise_m2_per_m", parameters.lateral_noise_m2_per_m);
-  reader.read("turn_noise_rad2_per_rad", parameters.turn_noise_rad2_per_rad);
-  reader.read("turn_noise_rad2_per_m", parameters.turn_noise_rad2_per_m);
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
+void HolonomicDriveParameters::validate() const {
+  table().check(*this);
 }
 
 HolonomicDrive::HolonomicDrive(const HolonomicDriveParameters& parameters)

@@ -20,7 +20,7 @@ TIMEOUT_S = 10.0
 
 
 class OdometryFaultsTest(unittest.TestCase):
-    """Each test starts the clock anew where no other has been, far enough ahead that the history starts anew, too."""
+    """Each test sets the clock to where no other has been, far enough ahead that the history starts again, too."""
 
     start_s = 1000.0
 
@@ -79,7 +79,7 @@ class OdometryFaultsTest(unittest.TestCase):
                 if status.level == level and text in status.message:
                     return
             rospy.sleep(0.05)
-        self.fail('nobody said "%s": %s' % (text, [(s.level, s.message) for s in self.statuses]))
+        self.fail('no diagnostics with "%s": %s' % (text, [(s.level, s.message) for s in self.statuses]))
 
     def test_values_that_are_not_numbers_are_rejected(self):
         self.drive(0.0, 1.0)
