@@ -75,7 +75,7 @@ void MapSmootherNode::processWaiting() {
       last_stamp_ns_ = next->scan.stamp_ns;
       smoother_.optimizeIfDue();
       logNewClosures();
-      if (smoother_.hasNews()) publish();
+      if (smoother_.hasCorrection()) publish();
     } catch (const std::exception& error) {
       ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "skipped a scan: " << error.what());
     }
@@ -101,7 +101,7 @@ void MapSmootherNode::optimize() {
 }
 
 void MapSmootherNode::publish() {
-  publisher_.publish(toPath(smoother_.tellTrajectory(), parameters_.map_frame));
+  publisher_.publish(toPath(smoother_.takeCorrection(), parameters_.map_frame));
 }
 
 bool MapSmootherNode::onOptimize(std_srvs::Trigger::Request& /*request*/,

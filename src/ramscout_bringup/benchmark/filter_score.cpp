@@ -135,8 +135,8 @@ private:
   }
 
   void follow() {
-    if (slam_.lost() || !smoother_->hasNews()) return;
-    slam_.followTrajectory(smoother_->tellTrajectory());
+    if (slam_.lost() || !smoother_->hasCorrection()) return;
+    slam_.followTrajectory(smoother_->takeCorrection());
   }
 
   void rememberLandmarks() {

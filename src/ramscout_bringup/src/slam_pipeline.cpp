@@ -186,8 +186,8 @@ std::optional<Pose2> SlamPipeline::wheelsAt(std::int64_t stamp_ns) const {
 }
 
 void SlamPipeline::followSmoother() {
-  if (fast_slam_.lost() || !map_smoother_.hasNews()) return;
-  fast_slam_.followTrajectory(map_smoother_.tellTrajectory());
+  if (fast_slam_.lost() || !map_smoother_.hasCorrection()) return;
+  fast_slam_.followTrajectory(map_smoother_.takeCorrection());
 }
 
 void SlamPipeline::smooth(Results& results) {

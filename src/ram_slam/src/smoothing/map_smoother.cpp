@@ -255,7 +255,7 @@ void MapSmoother::optimize() {
   const std::vector<Pose2> refined =
       refineJointly(key_scans_, priors, parameters_.matcher, parameters_.refinement);
   for (std::size_t i = 0; i < key_scans_.size(); ++i) key_scans_[i].map_from_laser = refined[i];
-  has_news_ = true;
+  has_correction_ = true;
   optimized_closures_ = closures_.size();
   optimized_ns_ = scans_.back().stamp_ns;
 }
@@ -268,8 +268,8 @@ void MapSmoother::optimizeIfDue() {
   if (closures_.size() != optimized_closures_) optimize();
 }
 
-std::vector<StampedPose2> MapSmoother::tellTrajectory() {
-  has_news_ = false;
+std::vector<StampedPose2> MapSmoother::takeCorrection() {
+  has_correction_ = false;
   return trajectory();
 }
 

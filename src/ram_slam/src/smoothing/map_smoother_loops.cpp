@@ -132,7 +132,7 @@ bool MapSmoother::tryClosing(std::size_t candidate,
     solveGraph();
     const Pose2 moved = before.inverse() * key_scans_[newest].map_from_laser;
     if (moved.translation().norm() > kCorrectionM || std::abs(moved.yaw_rad) > kCorrectionRad)
-      has_news_ = true;
+      has_correction_ = true;
   }
   return true;
 }

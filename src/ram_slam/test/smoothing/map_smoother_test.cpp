@@ -148,27 +148,27 @@ TEST(MapSmoother, RecognisesAPlaceByItsFeaturesWhereverDriftHasBroughtIt) {
   }
 }
 
-TEST(MapSmoother, HasNewsWhenAClosureMovesTheRobotAndWhenItIsOptimizedAndElseNot) {
+TEST(MapSmoother, HasACorrectionOnlyWhenAClosureMovedTheRobotOrItWasOptimized) {
   const std::vector<Pose2> truth = rounds(2);
   const std::vector<Pose2> odometry = drifting(truth);
   MapSmoother smoother{MapSmootherParameters()};
-  std::size_t news_count = 0;
+  std::size_t correction_count = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
     const std::size_t closure_count = smoother.closures().size();
     smoother.addScan(scanWalls(building(), truth[i] * kMount, stamp_ns), kMount, odometry[i]);
     if (smoother.closures().size() == closure_count) {
-      EXPECT_FALSE(smoother.hasNews());
+      EXPECT_FALSE(smoother.hasCorrection());
     }
-    if (!smoother.hasNews()) continue;
-    ++news_count;
-    EXPECT_EQ(smoother.tellTrajectory().size(), i + 1);
-    EXPECT_FALSE(smoother.hasNews());
+    if (!smoother.hasCorrection()) continue;
+    ++correction_count;
+    EXPECT_EQ(smoother.takeCorrection().size(), i + 1);
+    EXPECT_FALSE(smoother.hasCorrection());
   }
-  EXPECT_GT(news_count, 0U);
-  EXPECT_LE(news_count, smoother.closures().size());
+  EXPECT_GT(correction_count, 0U);
+  EXPECT_LE(correction_count, smoother.closures().size());
   smoother.optimize();
-  EXPECT_TRUE(smoother.hasNews());
+  EXPECT_TRUE(smoother.hasCorrection());
 }
 
 TEST(MapSmoother, IsOptimizedWhenPlacesWereRecognisedButNotTooOften) {
@@ -181,14 +181,14 @@ TEST(MapSmoother, IsOptimizedWhenPlacesWereRecognisedButNotTooOften) {
   std::int64_t last_ns = 0;
   int count = 0;
   smoother.optimizeIfDue();  // of nothing
-  EXPECT_FALSE(smoother.hasNews());
+  EXPECT_FALSE(smoother.hasCorrection());
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
     smoother.addScan(scanWalls(building(), truth[i] * kMount, stamp_ns), kMount, odometry[i]);
-    smoother.tellTrajectory();
+    smoother.takeCorrection();
     const std::size_t known = smoother.closures().size();
     smoother.optimizeIfDue();
-    if (!smoother.hasNews()) continue;
+    if (!smoother.hasCorrection()) continue;
     EXPECT_GT(known, closures_then);
     EXPECT_GE(stamp_ns, last_ns + 10'000'000'000);
     closures_then = smoother.closures().size();

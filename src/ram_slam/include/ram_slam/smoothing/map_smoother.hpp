@@ -107,11 +107,11 @@ public:
   /// The corrected pose of the base at each scan's stamp.
   std::vector<StampedPose2> trajectory() const;
 
-  /// Whether whoever follows the smoother should be told the trajectory: since the last time a
-  /// closure has moved the newest pose by more than 3 cm or 0.01 rad, or optimize() was called.
-  bool hasNews() const { return has_news_; }
-  /// trajectory(), after which there is no news.
-  std::vector<StampedPose2> tellTrajectory();
+  /// Whether the trajectory has changed enough to be taken again: since takeCorrection() a closure
+  /// has moved the newest pose by more than 3 cm or 0.01 rad, or optimize() was called.
+  bool hasCorrection() const { return has_correction_; }
+  /// trajectory(), after which there is no correction until the next change.
+  std::vector<StampedPose2> takeCorrection();
 
   const std::vector<LoopClosure>& closures() const { return closures_; }
 
@@ -198,7 +198,7 @@ private:
   double closed_path_m_ = 0.0;  // of the newest key scan with a closure, or constellation search
   ConstellationMemory constellations_;
   std::deque<FeatureList> features_;  // of scans of late, in the order of their stamps
-  bool has_news_ = false;
+  bool has_correction_ = false;
   std::size_t optimized_closures_ = 0;  ///< known when it was optimized last
   std::int64_t optimized_ns_ = 0;       ///< when that was done or found needless last
 };
