@@ -26,11 +26,11 @@ std::string toText(ram_slam::LostReason reason) {
     case ram_slam::LostReason::kTracking:
       return "tracking";
     case ram_slam::LostReason::kDiscontinuity:
-      return "two readings in a row show different places";
+      return "recent readings show two different places";
     case ram_slam::LostReason::kMapContradicts:
-      return "nothing of the map is where it should be";
-    case ram_slam::LostReason::kAsked:
-      return "the pose was to be forgotten";
+      return "the readings contradict the map";
+    case ram_slam::LostReason::kRequested:
+      return "a global localisation was requested";
   }
   return "";
 }
@@ -54,7 +54,7 @@ void FastSlamDiagnostics::addRejectedList() {
   ++rejected_lists_;
 }
 
-void FastSlamDiagnostics::set(const ram_slam::RecoveringSlam& slam, bool paused) {
+void FastSlamDiagnostics::set(const ram_slam::Tracker& slam, bool paused) {
   const std::lock_guard<std::mutex> lock(mutex_);
   paused_ = paused;
   reason_ = slam.reason();

@@ -8,7 +8,7 @@
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <ros/ros.h>
 
-#include "ram_slam/tracking/recovering_slam.hpp"
+#include "ram_slam/tracking/tracker.hpp"
 
 namespace ram_slam_ros {
 
@@ -24,7 +24,7 @@ public:
 
   void addFeatures(std::size_t good_count, std::size_t rejected_count);
   void addRejectedList();
-  void set(const ram_slam::RecoveringSlam& slam, bool paused);
+  void set(const ram_slam::Tracker& slam, bool paused);
 
 private:
   void publish();

@@ -295,9 +295,9 @@ void FastSlamNode::restart(const std::string& reason) {
   last_output_ns_ = 0;
 }
 
-std::unique_ptr<ram_slam::RecoveringSlam> FastSlamNode::makeFilter() const {
-  return std::make_unique<ram_slam::RecoveringSlam>(parameters_, recovery_parameters_,
-                                                    matchers_.matchers());
+std::unique_ptr<ram_slam::Tracker> FastSlamNode::makeFilter() const {
+  return std::make_unique<ram_slam::Tracker>(parameters_, recovery_parameters_,
+                                             matchers_.matchers());
 }
 
 bool FastSlamNode::goOnFromCheckpoint() {

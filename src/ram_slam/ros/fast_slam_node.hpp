@@ -24,7 +24,7 @@
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/motion/gap_bridge.hpp"
-#include "ram_slam/tracking/recovering_slam.hpp"
+#include "ram_slam/tracking/tracker.hpp"
 
 #include "checkpoint_keeper.hpp"
 #include "fast_slam_diagnostics.hpp"
@@ -36,7 +36,7 @@
 
 namespace ram_slam_ros {
 
-/// RecoveringSlam in a ROS graph. Callbacks only queue; one thread runs the filter, another one
+/// Tracker in a ROS graph. Callbacks only queue; one thread runs the filter, another one
 /// keeps tf valid, so that neither a slow update nor a missing kinematics node holds up the other.
 class FastSlamNode {
 public:
@@ -65,7 +65,7 @@ private:
   /// False if the motion up to the list is not known yet.
   bool tryUpdate(const ram_slam::FeatureList& list);
   void restart(const std::string& reason);
-  std::unique_ptr<ram_slam::RecoveringSlam> makeFilter() const;
+  std::unique_ptr<ram_slam::Tracker> makeFilter() const;
   /// False without a checkpoint of use.
   bool goOnFromCheckpoint();
   /// For want of the kinematics' motion up to a list: what tf tells, or nothing; then a checkpoint
@@ -95,7 +95,7 @@ private:
 
   CheckpointKeeper checkpoints_;
   std::timed_mutex filter_mutex_;
-  std::unique_ptr<ram_slam::RecoveringSlam> filter_;
+  std::unique_ptr<ram_slam::Tracker> filter_;
   std::optional<bool> published_lost_;
   std::int64_t last_output_ns_ = 0;
   bool interrupted_ = false;

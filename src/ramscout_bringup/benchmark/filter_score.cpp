@@ -10,7 +10,7 @@
 
 #include <Eigen/LU>
 #include <ram_slam/smoothing/map_smoother.hpp>
-#include <ram_slam/tracking/recovering_slam.hpp>
+#include <ram_slam/tracking/tracker.hpp>
 #include <ramscout_feature_detector/corner_matcher.hpp>
 #include <ramscout_kinematics/kinematics.hpp>
 
@@ -203,7 +203,7 @@ private:
   const std::vector<FilterStep>& steps_;
   const Trajectory& truth_;
   ramscout_kinematics::Kinematics kinematics_;
-  ram_slam::RecoveringSlam slam_;
+  ram_slam::Tracker slam_;
   std::optional<ram_slam::MapSmoother> smoother_;
   int times_lost_ = 0;
   std::optional<Pose2> start_;

@@ -22,7 +22,7 @@ struct FilterStep {
 /// Which part of the estimator is judged.
 enum class Estimator {
   kFilter,    ///< FastSlam alone
-  kDeployed,  ///< as the nodes run it: RecoveringSlam, which follows MapSmoother
+  kDeployed,  ///< as the nodes run it: Tracker, which follows MapSmoother
 };
 
 /// How good the estimator was on a recording of which the truth is known.

@@ -27,7 +27,7 @@ auto readFile(const std::string& config, const std::string& node, const Read& re
   return read(reader);
 }
 
-ram_slam::RecoveringSlam makeSlam(const std::string& config) {
+ram_slam::Tracker makeSlam(const std::string& config) {
   return {readFile(config, "fast_slam", ram_slam::readFastSlamParameters),
           readFile(config, "fast_slam", ram_slam::readRecoveryParameters),
           {{ramscout_feature_detector::kCornerType,

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <ram_slam/scan_matching/laser_odometry.hpp>
-#include <ram_slam/tracking/recovering_slam.hpp>
+#include <ram_slam/tracking/tracker.hpp>
 #include <ramscout_feature_detector/feature_detector.hpp>
 #include <ramscout_kinematics/kinematics.hpp>
 
@@ -61,7 +61,7 @@ private:
   ram_slam::LaserOdometry laser_odometry_;
   ramscout_feature_detector::FeatureDetector detector_;
   ramscout_kinematics::Kinematics kinematics_;
-  ram_slam::RecoveringSlam slam_;
+  ram_slam::Tracker slam_;
   ram_slam::Random random_;
   ram_slam::Pose2 truth_;  ///< in the frame of the start
   std::optional<ram_slam::Pose2> last_truth_;

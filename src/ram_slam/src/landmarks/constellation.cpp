@@ -349,10 +349,10 @@ Pose2 alignPoints(const std::vector<Eigen::Vector2d>& targets_m,
   return pose;
 }
 
-std::vector<PoseHypothesis> layOver(const Constellation& target,
-                                    const Constellation& source,
-                                    const FeatureMatchers& matchers,
-                                    const ConstellationParameters& parameters) {
+std::vector<PoseHypothesis> matchConstellations(const Constellation& target,
+                                                const Constellation& source,
+                                                const FeatureMatchers& matchers,
+                                                const ConstellationParameters& parameters) {
   parameters.validate();
   requireFinite(target);
   requireFinite(source);

@@ -48,7 +48,8 @@ std::optional<Pose2> ConstellationMemory::findPlace(const std::vector<KeyScan>& 
   }
   const ConstellationParameters parameters = parametersOfSearch();
   const Constellation seen = recent_.points();
-  const std::vector<PoseHypothesis> hypotheses = layOver(map, seen, matchers_, parameters);
+  const std::vector<PoseHypothesis> hypotheses =
+      matchConstellations(map, seen, matchers_, parameters);
   const PoseHypothesis* best =
       uniqueHypothesis(hypotheses, seen.size(), chanceScore(map, parameters), parameters);
   if (best == nullptr) return std::nullopt;

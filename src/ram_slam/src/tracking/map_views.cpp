@@ -128,24 +128,25 @@ void MapViews::trustMap(double path_m) {
   for (Place& place : places_) place.agreed_at_m = path_m;
 }
 
-MapViews::Verdict MapViews::judge(const std::vector<LocalConstellation::PlacedView>& views,
-                                  const Pose2& map_from_base) const {
-  Verdict verdict;
+ViewAgreement MapViews::judge(const std::vector<LocalConstellation::PlacedView>& views,
+                              const Pose2& map_from_base) const {
+  ViewAgreement agreement;
   for (const LocalConstellation::PlacedView& placed : views) {
     const auto share = contradiction(*placed.view, map_from_base * placed.base_from_then);
     if (!share) continue;
-    ++verdict.compared_count;
-    verdict.contradiction += *share;
-    verdict.evidence += std::max(kMostEvidence * (1.0 - *share / kNeutral), -kMostCounterevidence);
+    ++agreement.compared_count;
+    agreement.contradiction += *share;
+    agreement.evidence +=
+        std::max(kMostEvidence * (1.0 - *share / kNeutral), -kMostCounterevidence);
   }
-  if (verdict.compared_count > 0) verdict.contradiction /= verdict.compared_count;
-  return verdict;
+  if (agreement.compared_count > 0) agreement.contradiction /= agreement.compared_count;
+  return agreement;
 }
 
 Pose2 MapViews::refined(const std::vector<LocalConstellation::PlacedView>& views,
                         const Pose2& map_from_base) const {
   Pose2 best = map_from_base;
-  Verdict least = judge(views, best);
+  ViewAgreement least = judge(views, best);
   double step_m = kStep_m;
   double step_rad = kStep_rad;
   for (int halving = 0; halving < kHalvings;) {
@@ -154,11 +155,11 @@ Pose2 MapViews::refined(const std::vector<LocalConstellation::PlacedView>& views
     for (const Pose2& step :
          {Pose2{step_m, 0.0, 0.0}, Pose2{-step_m, 0.0, 0.0}, Pose2{0.0, step_m, 0.0},
           Pose2{0.0, -step_m, 0.0}, Pose2{0.0, 0.0, step_rad}, Pose2{0.0, 0.0, -step_rad}}) {
-      const Verdict verdict = judge(views, centre * step);
-      if (verdict.compared_count < least.compared_count ||
-          verdict.contradiction >= least.contradiction)
+      const ViewAgreement agreement = judge(views, centre * step);
+      if (agreement.compared_count < least.compared_count ||
+          agreement.contradiction >= least.contradiction)
         continue;
-      least = verdict;
+      least = agreement;
       best = centre * step;
       better = true;
     }

@@ -37,7 +37,7 @@ Views thinned(const Views& views, std::size_t most) {
 
 struct JudgedPlace {
   PoseHypothesis hypothesis;
-  MapViews::Verdict verdict;
+  ViewAgreement agreement;
 };
 
 class PlaceFinder {
@@ -69,7 +69,7 @@ public:
     const PoseHypothesis* best =
         uniqueHypothesis(hypotheses, seen_.size(), chanceScore(map_, parameters_), parameters);
     if (best == nullptr) return std::nullopt;
-    if (!map_views_.empty() && !agrees(places[best - hypotheses.data()].verdict))
+    if (!map_views_.empty() && !agrees(places[best - hypotheses.data()].agreement))
       return std::nullopt;
     PoseWithCovariance2 place = best->target_from_source;
     const Eigen::Vector3d floor(kFoundSigma_m, kFoundSigma_m, kFoundSigma_rad);
@@ -83,14 +83,14 @@ private:
                               : std::min(parameters_.minimum_pairs, kPairsWithViews);
   }
 
-  bool agrees(const MapViews::Verdict& verdict) const {
-    return verdict.compared_count >= kLeastCompared &&
-           2 * verdict.compared_count >= static_cast<int>(views_.size()) &&
-           verdict.contradiction <= kMostContradiction;
+  bool agrees(const ViewAgreement& agreement) const {
+    return agreement.compared_count >= kLeastCompared &&
+           2 * agreement.compared_count >= static_cast<int>(views_.size()) &&
+           agreement.contradiction <= kMostContradiction;
   }
 
   std::vector<PoseHypothesis> proposals() const {
-    std::vector<PoseHypothesis> all = layOver(map_, seen_, matchers_, parameters_);
+    std::vector<PoseHypothesis> all = matchConstellations(map_, seen_, matchers_, parameters_);
     for (const Pose2& pose : map_views_.candidates(all_views_))
       all.push_back(hypothesisAt(map_, seen_, matchers_, parameters_, pose));
     if (expected_) all.push_back(hypothesisAt(map_, seen_, matchers_, parameters_, *expected_));
@@ -103,9 +103,9 @@ private:
       const Pose2& pose = hypothesis.target_from_source.pose;
       std::vector<bool> paired(map_.size(), false);
       for (const ConstellationPair& pair : hypothesis.pairs) paired[pair.target] = true;
-      const MapViews::Verdict verdict = map_views_.judge(views_, pose);
-      hypothesis.score += contradiction(map_, paired, pose, views_) + verdict.evidence;
-      places.push_back({std::move(hypothesis), verdict});
+      const ViewAgreement agreement = map_views_.judge(views_, pose);
+      hypothesis.score += contradiction(map_, paired, pose, views_) + agreement.evidence;
+      places.push_back({std::move(hypothesis), agreement});
     }
     refineBest(places);
     return places;
@@ -119,12 +119,13 @@ private:
     const Views views = thinned(views_, kMostRefiningViews);
     std::size_t count = 0;
     for (JudgedPlace& place : places) {
-      if (place.verdict.compared_count == 0 || place.verdict.contradiction > kHopeless) continue;
+      if (place.agreement.compared_count == 0 || place.agreement.contradiction > kHopeless)
+        continue;
       Pose2& pose = place.hypothesis.target_from_source.pose;
       pose = map_views_.refined(views, pose);
-      const MapViews::Verdict better = map_views_.judge(views_, pose);
-      place.hypothesis.score += better.evidence - place.verdict.evidence;
-      place.verdict = better;
+      const ViewAgreement better = map_views_.judge(views_, pose);
+      place.hypothesis.score += better.evidence - place.agreement.evidence;
+      place.agreement = better;
       if (++count == kMostRefined) return;
     }
   }
@@ -142,7 +143,7 @@ private:
     const auto found = std::find_if(places.begin(), places.end(), [&](const JudgedPlace& place) {
       return areOnePlace(place.hypothesis.target_from_source.pose, *expected_);
     });
-    if (found == places.end() || found->hypothesis.score < enough || !agrees(found->verdict))
+    if (found == places.end() || found->hypothesis.score < enough || !agrees(found->agreement))
       return places;
     return {std::move(*found)};
   }

@@ -90,7 +90,7 @@ TEST(LayOver, FindsExactPointsAmongAsManyOthers) {
   const std::size_t true_count = seen.size();
   ASSERT_GE(true_count, 8U);
   for (const ConstellationPoint& other : scattered(true_count, 8.0, 99)) seen.push_back(other);
-  const auto hypotheses = layOver(map, seen, {}, parameters);
+  const auto hypotheses = matchConstellations(map, seen, {}, parameters);
   const PoseHypothesis* best = accepted(hypotheses, map, seen, parameters);
   ASSERT_NE(best, nullptr);
   const Pose2 error = truth.inverse() * best->target_from_source.pose;
@@ -105,7 +105,7 @@ TEST(LayOver, GivesTheExactPoseForExactPoints) {
   const Constellation map = scattered(60, 30.0, 1);
   const Pose2 truth{14.0, 17.0, -2.0};
   const Constellation seen = seenFrom(truth, map, 8.0);
-  const auto hypotheses = layOver(map, seen, {}, parameters);
+  const auto hypotheses = matchConstellations(map, seen, {}, parameters);
   const PoseHypothesis* best = accepted(hypotheses, map, seen, parameters);
   ASSERT_NE(best, nullptr);
   EXPECT_EQ(best->pairs.size(), seen.size());
@@ -124,7 +124,7 @@ TEST(LayOver, StatesACovarianceThatItsErrorsHave) {
     Constellation seen = seenFrom(truth, map, 8.0);
     // The noise that the parameters assume: of the point in the target and of that in the source.
     addNoise(seen, std::sqrt(2.0) * parameters.position_sigma, 1000 + run);
-    const auto hypotheses = layOver(map, seen, {}, parameters);
+    const auto hypotheses = matchConstellations(map, seen, {}, parameters);
     ASSERT_FALSE(hypotheses.empty());
     const PoseWithCovariance2& found = hypotheses[0].target_from_source;
     const Eigen::Vector3d error(found.pose.x_m - truth.x_m, found.pose.y_m - truth.y_m,
@@ -140,7 +140,7 @@ TEST(LayOver, NeverFindsAnUnrelatedMap) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const Constellation map = scattered(80, 40.0, 2 * seed);
     const Constellation seen = scattered(15, 14.0, 2 * seed + 1);
-    const auto hypotheses = layOver(map, seen, {}, parameters);
+    const auto hypotheses = matchConstellations(map, seen, {}, parameters);
     EXPECT_EQ(accepted(hypotheses, map, seen, parameters), nullptr) << "seed " << seed;
   }
 }
@@ -151,7 +151,7 @@ TEST(LayOver, NeverFindsAMirrorImage) {
     const Constellation map = scattered(60, 30.0, 100 + seed);
     Constellation seen = seenFrom({15.0, 15.0, 0.3}, map, 9.0);
     for (ConstellationPoint& point : seen) point.position_m.y() *= -1.0;
-    const auto hypotheses = layOver(map, seen, {}, parameters);
+    const auto hypotheses = matchConstellations(map, seen, {}, parameters);
     EXPECT_EQ(accepted(hypotheses, map, seen, parameters), nullptr) << "seed " << seed;
   }
 }
@@ -164,7 +164,7 @@ TEST(LayOver, DoesNotChooseBetweenTwoEqualPlaces) {
     map.push_back(map[i]);
     map.back().position_m.x() += 20.0;
   }
-  const auto hypotheses = layOver(map, seen, {}, parameters);
+  const auto hypotheses = matchConstellations(map, seen, {}, parameters);
   ASSERT_GE(hypotheses.size(), 2U);
   EXPECT_NEAR(hypotheses[0].score, hypotheses[1].score, 1e-6);
   EXPECT_EQ(accepted(hypotheses, map, seen, parameters), nullptr);
@@ -181,7 +181,7 @@ TEST(LayOver, ChoosesBetweenTwoEqualPlacesByLooks) {
     map.back().position_m.x() += 20.0;
     map.back().views = {matchers.at("pole")->parse("2")};
   }
-  const auto hypotheses = layOver(map, seen, matchers, parameters);
+  const auto hypotheses = matchConstellations(map, seen, matchers, parameters);
   const PoseHypothesis* best = accepted(hypotheses, map, seen, parameters);
   ASSERT_NE(best, nullptr);
   EXPECT_NEAR(best->target_from_source.pose.x_m, 0.0, kRounding);
@@ -191,26 +191,26 @@ TEST(LayOver, PairsOnlyPointsOfOneType) {
   Constellation map = scattered(12, 10.0, 5);
   const Constellation seen = map;
   for (ConstellationPoint& point : map) point.type = "tree";
-  EXPECT_TRUE(layOver(map, seen, {}, {}).empty());
+  EXPECT_TRUE(matchConstellations(map, seen, {}, {}).empty());
 }
 
 TEST(LayOver, GivesNothingForOnePoint) {
-  EXPECT_TRUE(layOver(scattered(12, 10.0, 5), scattered(1, 10.0, 5), {}, {}).empty());
-  EXPECT_TRUE(layOver({}, scattered(12, 10.0, 5), {}, {}).empty());
+  EXPECT_TRUE(matchConstellations(scattered(12, 10.0, 5), scattered(1, 10.0, 5), {}, {}).empty());
+  EXPECT_TRUE(matchConstellations({}, scattered(12, 10.0, 5), {}, {}).empty());
 }
 
 TEST(LayOver, RefusesWhatIsNotFinite) {
   Constellation seen = scattered(5, 10.0, 5);
   seen[2].position_m.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(layOver(scattered(12, 10.0, 5), seen, {}, {}), std::invalid_argument);
+  EXPECT_THROW(matchConstellations(scattered(12, 10.0, 5), seen, {}, {}), std::invalid_argument);
 }
 
 TEST(LayOver, GivesTheSameBitsTwice) {
   const Constellation map = scattered(60, 30.0, 1);
   Constellation seen = seenFrom({14.0, 17.0, -2.0}, map, 8.0);
   addNoise(seen, 0.05, 3);
-  const auto first = layOver(map, seen, {}, {});
-  const auto second = layOver(map, seen, {}, {});
+  const auto first = matchConstellations(map, seen, {}, {});
+  const auto second = matchConstellations(map, seen, {}, {});
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i) {
     EXPECT_EQ(first[i].score, second[i].score);

@@ -65,11 +65,11 @@ TEST(MapViews, AgreeWithTheRightPoseAndContradictAnother) {
   const Walls room = oddRoom();
   const MapViews map = viewsOf(room);
   const auto way = wayTo(room, {9.2, 1.2, 0.1});
-  const MapViews::Verdict right = map.judge(way, {9.2, 1.2, 0.1});
+  const ViewAgreement right = map.judge(way, {9.2, 1.2, 0.1});
   EXPECT_EQ(right.compared_count, 7);
   EXPECT_LT(right.contradiction, 0.02);
   EXPECT_GT(right.evidence, 2.5);
-  const MapViews::Verdict wrong = map.judge(way, {6.2, 1.2, 0.1});
+  const ViewAgreement wrong = map.judge(way, {6.2, 1.2, 0.1});
   EXPECT_EQ(wrong.compared_count, 7);
   EXPECT_GT(wrong.contradiction, 0.1);
   EXPECT_LT(wrong.evidence, -5.0);

@@ -13,7 +13,7 @@
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
 #include "ram_slam/scan_matching/laser_odometry.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
-#include "ram_slam/tracking/recovering_slam.hpp"
+#include "ram_slam/tracking/tracker.hpp"
 #include "ramscout_bringup/recording.hpp"
 #include "ramscout_bringup/results.hpp"
 #include "ramscout_feature_detector/feature_detector.hpp"
@@ -85,7 +85,7 @@ private:
   ramscout_feature_detector::FeatureDetector feature_detector_;
   ramscout_kinematics::Kinematics kinematics_;
   ram_slam::GapBridge motion_;
-  ram_slam::RecoveringSlam fast_slam_;
+  ram_slam::Tracker fast_slam_;
   ram_slam::MapSmoother map_smoother_;
   std::deque<ScanReading> waiting_;
   std::deque<ram_slam::StampedPose2> wheels_;  ///< the newest readings

@@ -80,14 +80,13 @@ struct PoseHypothesis {
 /// \param matchers  by type; a type without one is compared by geometry alone
 /// \throws std::invalid_argument as ConstellationParameters::validate(), or if a position or
 /// covariance is not finite
-std::vector<PoseHypothesis> layOver(const Constellation& target,
-                                    const Constellation& source,
-                                    const FeatureMatchers& matchers,
-                                    const ConstellationParameters& parameters);
+std::vector<PoseHypothesis> matchConstellations(const Constellation& target,
+                                                const Constellation& source,
+                                                const FeatureMatchers& matchers,
+                                                const ConstellationParameters& parameters);
 
-/// What layOver() would make of the source if it lay there: the same score, after the same
-/// refinement.
-/// \throws as layOver()
+/// What matchConstellations() would make of the source if it lay there: the same score, after the
+/// same refinement. \throws as matchConstellations()
 PoseHypothesis hypothesisAt(const Constellation& target,
                             const Constellation& source,
                             const FeatureMatchers& matchers,

@@ -8,7 +8,7 @@
 
 namespace ram_slam {
 
-/// What RecoveringSlam needs to go on after its process was ended.
+/// What Tracker needs to go on after its process was ended.
 struct Checkpoint {
   LandmarkMap map;  ///< its stamp is that of the last reading
   /// The robot's way. It ends at that stamp, or before if the robot was lost then.

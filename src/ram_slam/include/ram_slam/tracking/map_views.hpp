@@ -13,16 +13,17 @@
 
 namespace ram_slam {
 
+/// How recent views agree with those of a map at a pose.
+struct ViewAgreement {
+  int compared_count = 0;      ///< views that share enough with the map's to be compared
+  double contradiction = 0.0;  ///< mean over these of the share that discontinuity() gives
+  double evidence = 0.0;       ///< [nat] for the pose, at most MapViews::kMostEvidence per view
+};
+
 /// Views that a map was learned from, one per place: what a robot sees there if it is where it
 /// takes itself for, beyond the landmarks.
 class MapViews {
 public:
-  /// What views of late say about a pose.
-  struct Verdict {
-    int compared_count = 0;      ///< views that share enough with the map's to be compared
-    double contradiction = 0.0;  ///< mean over these of the share that discontinuity() tells
-    double evidence = 0.0;       ///< [nat] for the pose, at most kMostEvidence per view
-  };
   /// The most that one view may say for a pose, and against it [nat].
   static constexpr double kMostEvidence = 1.0;
   static constexpr double kMostCounterevidence = 4.0;
@@ -50,8 +51,8 @@ public:
   static constexpr double kTrustedPath_m = 10.0;
 
   /// The same for views along a way, given where its end is.
-  Verdict judge(const std::vector<LocalConstellation::PlacedView>& views,
-                const Pose2& map_from_base) const;
+  ViewAgreement judge(const std::vector<LocalConstellation::PlacedView>& views,
+                      const Pose2& map_from_base) const;
 
   /// The pose nearby that the views contradict least.
   Pose2 refined(const std::vector<LocalConstellation::PlacedView>& views,

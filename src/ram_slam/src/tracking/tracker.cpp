@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ram_slam/tracking/recovering_slam.hpp"
+#include "ram_slam/tracking/tracker.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -97,9 +97,9 @@ RecoveryParameters readRecoveryParameters(ram_parameters::ParameterReader& all) 
   return p;
 }
 
-RecoveringSlam::RecoveringSlam(const FastSlamParameters& filter,
-                               const RecoveryParameters& recovery,
-                               FeatureMatchers matchers)
+Tracker::Tracker(const FastSlamParameters& filter,
+                 const RecoveryParameters& recovery,
+                 FeatureMatchers matchers)
     : filter_parameters_(filter),
       parameters_((recovery.validate(), recovery)),
       matchers_(std::move(matchers)),
@@ -108,9 +108,9 @@ RecoveringSlam::RecoveringSlam(const FastSlamParameters& filter,
       detector_(recovery.lost),
       local_(recovery.local, matchers_) {}
 
-void RecoveringSlam::update(const FeatureList& features,
-                            const MotionModel& motion,
-                            std::shared_ptr<const FieldOfView> view) {
+void Tracker::update(const FeatureList& features,
+                     const MotionModel& motion,
+                     std::shared_ptr<const FieldOfView> view) {
   PoseWithCovariance2 moved;
   if (started() && features.stamp_ns > stamp_ns_)
     moved = motion.motion(stamp_ns_, features.stamp_ns);
@@ -161,7 +161,7 @@ void RecoveringSlam::update(const FeatureList& features,
   }
 }
 
-std::optional<Pose2> RecoveringSlam::slipUpTo(const TrackedView& now) const {
+std::optional<Pose2> Tracker::slipUpTo(const TrackedView& now) const {
   if (discontinuities_.views().empty()) return std::nullopt;
   const TrackedView& before = discontinuities_.views().front();
   MapViews place;
@@ -169,14 +169,14 @@ std::optional<Pose2> RecoveringSlam::slipUpTo(const TrackedView& now) const {
   const std::vector<LocalConstellation::PlacedView> views{{{}, now.view}};
   const Pose2 moved = place.refined(views, now.local_from_base);
   const Pose2 slip = now.local_from_base.inverse() * moved;
-  const MapViews::Verdict verdict = place.judge(views, moved);
+  const ViewAgreement agreement = place.judge(views, moved);
   if (slip.translation().norm() > kMostSlip_m || std::abs(slip.yaw_rad) > kMostSlip_rad ||
-      verdict.compared_count == 0 || verdict.contradiction > kSlipContradiction)
+      agreement.compared_count == 0 || agreement.contradiction > kSlipContradiction)
     return std::nullopt;
   return slip;
 }
 
-void RecoveringSlam::correctBy(const Pose2& slip) {
+void Tracker::correctBy(const Pose2& slip) {
   local_from_base_ = local_from_base_ * slip;
   PoseWithCovariance2 pose;
   pose.pose = filter_.estimate().pose * slip;
@@ -193,7 +193,7 @@ void RecoveringSlam::correctBy(const Pose2& slip) {
   doubt_s_ = 0.0;
 }
 
-bool RecoveringSlam::contradictsMap(const TrackedView& now) {
+bool Tracker::contradictsMap(const TrackedView& now) {
   if (now.view == nullptr || now.stamp_ns < doubted_ns_ + kDoubtEveryNs) return false;
   const double since_s =
       std::min(static_cast<double>(now.stamp_ns - doubted_ns_) * 1e-9, kLongestDoubt_s);
@@ -210,17 +210,17 @@ bool RecoveringSlam::contradictsMap(const TrackedView& now) {
   return (on_probation_ && place_was_found_) || !isDrift(now);
 }
 
-double RecoveringSlam::usualContradiction() const {
+double Tracker::usualContradiction() const {
   return (on_probation_ ? 1.0 : kTrust) * parameters_.lost.contradiction;
 }
 
-bool RecoveringSlam::agreesWithMap(const TrackedView& now) const {
+bool Tracker::agreesWithMap(const TrackedView& now) const {
   if (now.view == nullptr) return false;
   const auto share = map_views_.contradiction(*now.view, filter_.estimate().pose);
   return share && *share < usualContradiction();
 }
 
-bool RecoveringSlam::isDrift(const TrackedView& now) const {
+bool Tracker::isDrift(const TrackedView& now) const {
   std::vector<LocalConstellation::PlacedView> views{{{}, now.view}};
   for (const TrackedView& view : discontinuities_.views())
     views.push_back({now.local_from_base.inverse() * view.local_from_base, view.view});
@@ -231,7 +231,7 @@ bool RecoveringSlam::isDrift(const TrackedView& now) const {
          map_views_.judge(views, better).contradiction < 0.5 * parameters_.lost.contradiction;
 }
 
-void RecoveringSlam::remember() {
+void Tracker::remember() {
   if (on_probation_) {
     if (probation_left_m_ > 0.0 || doubt_s_ > 0.0) return;
     on_probation_ = false;
@@ -244,9 +244,9 @@ void RecoveringSlam::remember() {
   memories_.push_back({filter_, filter_.estimate().pose, local_from_base_, stamp_ns_});
 }
 
-void RecoveringSlam::loseTrack(LostReason reason) {
+void Tracker::loseTrack(LostReason reason) {
   reason_ = reason;
-  may_be_false_alarm_ = reason != LostReason::kAsked;
+  may_be_false_alarm_ = reason != LostReason::kRequested;
   if (!memories_.empty()) {
     const Memory& before = memories_.front();
     dead_reckoned_.pose =
@@ -271,9 +271,9 @@ void RecoveringSlam::loseTrack(LostReason reason) {
   found_.reset();
 }
 
-void RecoveringSlam::search(const FeatureList& list,
-                            const PoseWithCovariance2& moved,
-                            const TrackedView& now) {
+void Tracker::search(const FeatureList& list,
+                     const PoseWithCovariance2& moved,
+                     const TrackedView& now) {
   dead_reckoned_.pose = dead_reckoned_.pose * moved.pose;
   if (!isCertain(moved)) {  // what was seen before does not belong to what is seen now
     local_.clear();
@@ -295,14 +295,14 @@ void RecoveringSlam::search(const FeatureList& list,
     resumeByOdometry(kGivenUpSigma_m, kGivenUpSigma_rad);
 }
 
-void RecoveringSlam::resumeByOdometry(double sigma_m, double sigma_rad) {
+void Tracker::resumeByOdometry(double sigma_m, double sigma_rad) {
   PoseWithCovariance2 pose = dead_reckoned_;
   pose.covariance = Eigen::Vector3d(sigma_m, sigma_m, sigma_rad).cwiseAbs2().asDiagonal();
   resume(pose);
   place_was_found_ = false;
 }
 
-bool RecoveringSlam::odometryIsRight(const TrackedView& now) {
+bool Tracker::odometryIsRight(const TrackedView& now) {
   if (local_.distance_m() >= kGiveUp_m) return true;
   if (now.view == nullptr) return false;
   const auto share = map_views_.contradiction(*now.view, dead_reckoned_.pose);
@@ -310,14 +310,14 @@ bool RecoveringSlam::odometryIsRight(const TrackedView& now) {
   return now.stamp_ns >= walls_agree_since_ns_ + kWallsAgreeForNs;
 }
 
-bool RecoveringSlam::nothingDeniesOdometry(const TrackedView& now) const {
+bool Tracker::nothingDeniesOdometry(const TrackedView& now) const {
   if (!may_be_false_alarm_ || local_.distance_m() < kGiveUpCarried_m || now.view == nullptr)
     return false;
   const auto share = map_views_.contradiction(*now.view, dead_reckoned_.pose);
   return !share || *share <= parameters_.lost.contradiction;
 }
 
-void RecoveringSlam::tryToRecover() {
+void Tracker::tryToRecover() {
   next_try_m_ =
       local_.distance_m() + std::max({kTryEvery_m, kTryEveryShare * local_.distance_m(),
                                       kTryEveryPerView_m * static_cast<double>(map_views_.size())});
@@ -340,7 +340,7 @@ void RecoveringSlam::tryToRecover() {
   resume(*place);
 }
 
-Constellation RecoveringSlam::mapConstellation() const {
+Constellation Tracker::mapConstellation() const {
   Constellation map;
   for (const LandmarkEstimate& estimate : filter_.landmarks().landmarks) {
     if (estimate.existence_log_odds < filter_parameters_.confirm_log_odds) continue;
@@ -351,7 +351,7 @@ Constellation RecoveringSlam::mapConstellation() const {
   return map;
 }
 
-void RecoveringSlam::resume(const PoseWithCovariance2& map_from_base) {
+void Tracker::resume(const PoseWithCovariance2& map_from_base) {
   map_views_.follow(filter_.trajectory());
   map_views_.trustMap(path_m_);
   FastSlam moved = filter_;
@@ -372,7 +372,7 @@ void RecoveringSlam::resume(const PoseWithCovariance2& map_from_base) {
   found_.reset();
 }
 
-PoseWithCovariance2 RecoveringSlam::estimate() const {
+PoseWithCovariance2 Tracker::estimate() const {
   if (!lost()) return filter_.estimate();
   PoseWithCovariance2 unknown = dead_reckoned_;
   unknown.covariance =
@@ -380,7 +380,7 @@ PoseWithCovariance2 RecoveringSlam::estimate() const {
   return unknown;
 }
 
-void RecoveringSlam::setPose(const PoseWithCovariance2& map_from_base) {
+void Tracker::setPose(const PoseWithCovariance2& map_from_base) {
   if (!started()) {
     filter_.setPose(map_from_base);
     reason_ = LostReason::kTracking;
@@ -389,7 +389,7 @@ void RecoveringSlam::setPose(const PoseWithCovariance2& map_from_base) {
   resume(map_from_base);
 }
 
-Pose2 RecoveringSlam::followTrajectory(const Trajectory& smoothed) {
+Pose2 Tracker::followTrajectory(const Trajectory& smoothed) {
   if (lost()) throw std::runtime_error("the robot is lost: its map stays as it is");
   const Pose2 map_from_smoothed = filter_.followTrajectory(smoothed);
   memories_.clear();
@@ -400,19 +400,19 @@ Pose2 RecoveringSlam::followTrajectory(const Trajectory& smoothed) {
   return map_from_smoothed;
 }
 
-void RecoveringSlam::forgetPose() {
+void Tracker::forgetPose() {
   if (!parameters_.enabled || filter_.registry().records().empty()) return;
   memories_.clear();
-  loseTrack(LostReason::kAsked);
+  loseTrack(LostReason::kRequested);
 }
 
-void RecoveringSlam::setMap(const LandmarkMap& map) {
+void Tracker::setMap(const LandmarkMap& map) {
   filter_.setMap(map);
   map_views_.clear();
   forgetPose();
 }
 
-Checkpoint RecoveringSlam::checkpoint() const {
+Checkpoint Tracker::checkpoint() const {
   Checkpoint kept{filter_.landmarks(), filter_.trajectory()};
   kept.map.stamp_ns = stamp_ns_;
   while (!kept.path.empty() && kept.path.back().stamp_ns >= stamp_ns_) kept.path.pop_back();
@@ -421,8 +421,8 @@ Checkpoint RecoveringSlam::checkpoint() const {
   return kept;
 }
 
-void RecoveringSlam::restore(const Checkpoint& checkpoint) {
-  RecoveringSlam restored(filter_parameters_, parameters_, matchers_);
+void Tracker::restore(const Checkpoint& checkpoint) {
+  Tracker restored(filter_parameters_, parameters_, matchers_);
   restored.filter_.setMap(checkpoint.map, checkpoint.path);
   PoseWithCovariance2 pose;
   if (!checkpoint.path.empty()) pose.pose = checkpoint.path.back().pose;

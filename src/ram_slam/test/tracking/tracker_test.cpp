@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ram_slam/tracking/recovering_slam.hpp"
+#include "ram_slam/tracking/tracker.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -50,7 +50,7 @@ protected:
                                           {5.0, 6.0}, {2.0, 6.0},  {2.0, 3.0},  {0.0, 3.0}};
   Walls walls_ = outline(corners_m_);
   ExactOdometry odometry_;
-  RecoveringSlam slam_{FastSlamParameters{}, RecoveryParameters{}};
+  Tracker slam_{FastSlamParameters{}, RecoveryParameters{}};
   Pose2 truth_{1.0, 1.5, 0.0};
   const Pose2 start_ = truth_;
 
@@ -105,7 +105,7 @@ protected:
       odometry_.move({kStep_m, 0.0, 0.0});
       truth_ = truth_ * Pose2{kStep_m, 0.0, 0.0};
     }
-    RecoveringSlam other{FastSlamParameters{}, RecoveryParameters{}};
+    Tracker other{FastSlamParameters{}, RecoveryParameters{}};
     other.restore(checkpointFromBytes(checkpoint));
     slam_ = std::move(other);
   }
@@ -172,7 +172,7 @@ TEST_F(Kidnapped, AskedToForgetItFindsItsPlaceAgain) {
   mapTheRoom();
   slam_.forgetPose();
   EXPECT_TRUE(slam_.lost());
-  EXPECT_EQ(slam_.reason(), LostReason::kAsked);
+  EXPECT_EQ(slam_.reason(), LostReason::kRequested);
   drive(4.0);
   EXPECT_FALSE(slam_.lost());
   EXPECT_LT(error_m(), 0.1);

@@ -19,7 +19,7 @@
 
 namespace ram_slam {
 
-/// Settings of RecoveringSlam; the section `relocalisation` of config/fast_slam.yaml, which
+/// Settings of Tracker; the section `relocalisation` of config/fast_slam.yaml, which
 /// explains them.
 struct RecoveryParameters {
   /// False: the filter alone; it is never lost and never recovers.
@@ -41,7 +41,7 @@ enum class LostReason {
   kTracking,        ///< it does know
   kDiscontinuity,   ///< two readings in a row show different places
   kMapContradicts,  ///< nothing of the map is where it should be, but other things are
-  kAsked,           ///< somebody wanted it so, or the map was loaded
+  kRequested,       ///< somebody wanted it so, or the map was loaded
 };
 
 /// FastSlam that notices when it is lost, and finds its place in its map again.
@@ -51,15 +51,15 @@ enum class LostReason {
 /// contradict each other) the filter is set back to a copy from before the trouble: nothing that
 /// was seen from the wrong pose stays in the map, and nothing is written until the robot is found
 /// again. Meanwhile the features of the way driven are put together (LocalConstellation) and laid
-/// over the map's landmarks (layOver()). A place counts as found if it is unique and found twice,
-/// half a metre of driving apart. After that the copy from before is kept for a while: if the
-/// place turns out wrong, the map is as it was. Deterministic.
-class RecoveringSlam {
+/// over the map's landmarks (matchConstellations()). A place counts as found if it is unique and
+/// found twice, half a metre of driving apart. After that the copy from before is kept for a while:
+/// if the place turns out wrong, the map is as it was. Deterministic.
+class Tracker {
 public:
   /// \throws std::invalid_argument as FastSlam and RecoveryParameters::validate()
-  RecoveringSlam(const FastSlamParameters& filter,
-                 const RecoveryParameters& recovery,
-                 FeatureMatchers matchers = {});
+  Tracker(const FastSlamParameters& filter,
+          const RecoveryParameters& recovery,
+          FeatureMatchers matchers = {});
 
   /// As FastSlam::update(), the features made seenAtOnce(). If it throws nothing has changed.
   void update(const FeatureList& features,
