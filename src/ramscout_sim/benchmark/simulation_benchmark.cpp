@@ -122,7 +122,8 @@ void simulateOneSecond(benchmark::State& state) {
   const Office building = office(2);
   SimulationParameters parameters;
   parameters.physics_rate_hz = static_cast<double>(state.range(0));
-  parameters.instruction_set = state.range(1) == 512 ? "avx512" : "avx2";
+  parameters.instruction_set =
+      state.range(1) == 512 ? InstructionSet::kAvx512 : InstructionSet::kAvx2;
   Simulation simulation(parameters, robot(), building.world, building.tour);
   for (auto _ : state) {
     const std::int64_t end_ns = simulation.now_ns() + 1'000'000'000;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <stdexcept>
 
 #include <boost/bind/bind.hpp>
 
@@ -12,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// How often a wait looks whether ROS is shutting down.
+// How often a wait checks whether ROS is shutting down.
 constexpr std::chrono::milliseconds kPatience(50);
 // While partners are starting, a scan may have reached none of them: no long wait for the first
 // answer.
@@ -24,19 +23,8 @@ Clock::time_point inSeconds(double duration_s) {
 
 }  // namespace
 
-void LockStepParameters::validate() const {
-  if (!(timeout_s > 0.0 && timeout_s <= 3600.0)) {
-    throw std::invalid_argument("lock_step_timeout_s must be in (0, 3600], got " +
-                                std::to_string(timeout_s));
-  }
-  if (!(start_timeout_s >= 0.0 && start_timeout_s <= 3600.0)) {
-    throw std::invalid_argument("lock_step_start_timeout_s must be in [0, 3600], got " +
-                                std::to_string(start_timeout_s));
-  }
-}
-
-LockStep::LockStep(ros::NodeHandle& node, const LockStepParameters& parameters)
-    : parameters_((parameters.validate(), parameters)), latest_stamps_(parameters.topics.size()) {
+LockStep::LockStep(ros::NodeHandle& node, const ramscout_sim::LockStepParameters& parameters)
+    : parameters_(parameters), latest_stamps_(parameters.topics.size()) {
   constexpr std::uint32_t kQueue = 100;
   for (std::size_t i = 0; i < parameters_.topics.size(); ++i) {
     const boost::function<void(const HeaderOnly&)> callback = [this, i](const HeaderOnly& message) {

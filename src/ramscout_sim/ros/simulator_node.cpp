@@ -10,6 +10,7 @@
 #include <rosgraph_msgs/Clock.h>
 
 #include "ramscout_sim/ros/conversions.hpp"
+#include "ramscout_sim/ros/load_members.hpp"
 
 namespace ramscout_sim_ros {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kMaxStep_s = 3600.0;
 }  // namespace
 
 SimulatorNode::SimulatorNode(ram_parameters::ParameterReader& reader)
-    : parameters_(readSimulatorParameters(reader)),
+    : parameters_(ramscout_sim::readSimulatorNodeParameters(reader)),
       world_(parameters_.world.empty() ? ramscout_sim::World()
                                        : ramscout_sim::readWorld(parameters_.world)),
       members_(loadMembers(parameters_, world_)),
@@ -167,10 +168,13 @@ bool SimulatorNode::onReset(std_srvs::Empty::Request&, std_srvs::Empty::Response
 
 bool SimulatorNode::onSetRate(ramscout_sim::SetRate::Request& request,
                               ramscout_sim::SetRate::Response& response) {
-  response.success = isRate(request.real_time_factor);
-  if (!response.success) {
-    response.message =
-        "real_time_factor must be in [0, 1000], got " + std::to_string(request.real_time_factor);
+  try {
+    ramscout_sim::SimulatorNodeParameters wanted = parameters_;
+    wanted.real_time_factor = request.real_time_factor;
+    wanted.validate();
+    response.success = true;
+  } catch (const std::invalid_argument& error) {
+    response.message = error.what();
     return true;
   }
   const std::lock_guard<FairMutex> lock(mutex_);

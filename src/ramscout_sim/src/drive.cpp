@@ -4,21 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 
 #include <Eigen/QR>
-
-#include "ram_parameters/require.hpp"
 
 namespace ramscout_sim {
 namespace {
 
 constexpr double kStands_mps = 1e-3;
-
-void require(bool condition, const char* parameter, double value) {
-  ram_parameters::require(condition, std::string("drive.") + parameter, value, "> 0");
-}
 
 double approach(double value, double target, double largest_change) {
   return value + std::clamp(target - value, -largest_change, largest_change);
@@ -26,13 +18,23 @@ double approach(double value, double target, double largest_change) {
 
 }  // namespace
 
-void DriveParameters::validate() const {
-  require(max_speed_mps > 0.0, "max_speed_mps", max_speed_mps);
-  require(max_turn_speed_radps > 0.0, "max_turn_speed_radps", max_turn_speed_radps);
-  require(max_acceleration_mps2 > 0.0, "max_acceleration_mps2", max_acceleration_mps2);
-  require(max_turn_acceleration_radps2 > 0.0, "max_turn_acceleration_radps2",
-          max_turn_acceleration_radps2);
-  require(command_timeout_s > 0.0, "command_timeout_s", command_timeout_s);
+const ram_parameters::ParameterTable<DriveParameters>& DriveParameters::table() {
+  using namespace ram_parameters;
+  using P = DriveParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("max_speed_mps", &P::max_speed_mps, "m/s", positive(),
+               "Fastest that the motors are asked for; the torque limit is in the URDF (<limit "
+               "effort>).")
+          .add("max_turn_speed_radps", &P::max_turn_speed_radps, "rad/s", positive(),
+               "Fastest turn that the motors are asked for.")
+          .add("max_acceleration_mps2", &P::max_acceleration_mps2, "m/s^2", positive(),
+               "Fastest change of the speed.")
+          .add("max_turn_acceleration_radps2", &P::max_turn_acceleration_radps2, "rad/s^2",
+               positive(), "Fastest change of the turn speed.")
+          .add("command_timeout_s", &P::command_timeout_s, "s", positive(),
+               "Simulated time after which a command counts as zero.");
+  return table;
 }
 
 Eigen::Matrix<double, Eigen::Dynamic, 3> rimSpeedFromMotion(const RobotDescription& robot) {

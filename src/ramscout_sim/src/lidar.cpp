@@ -4,126 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
-#include "ram_parameters/require.hpp"
 #include "ramscout_sim/lidar_effects.hpp"
 #include "ramscout_sim/random.hpp"
 
 namespace ramscout_sim {
-namespace {
-
-constexpr int kMaxBeams = 20000;
-
-void require(bool condition, const char* parameter, double value, const char* bound) {
-  ram_parameters::require(condition, std::string("lidar.") + parameter, value, bound);
-}
-
-/// Data sheets' values where they state any; the noise is a Gaussian within the stated accuracy.
-LidarParameters preset(const std::string& name) {
-  LidarParameters p;
-  if (name == "utm_30lx") return p;
-  p.far_range_sigma_m = 0.0;
-  if (name == "urg_04lx") {  // steps 44 to 725 of 1024 a turn, 100 ms a turn
-    p.beams = 682;
-    p.angle_max_rad = 341 * 2.0 * M_PI / 1024;
-    p.angle_min_rad = -340 * 2.0 * M_PI / 1024;
-    p.scan_rate_hz = 10.0;
-    p.time_increment_s = 0.1 / 1024;
-    p.range_min_m = 0.02;
-    p.range_max_m = 5.6;
-    p.range_sigma_m = 0.01;
-    p.range_sigma_per_m = 0.01;
-  } else if (name == "sick_lms" || name == "sick_lms_180") {  // LMS 200, 75 turns a second
-    // Half a degree takes two turns, of which each gives every other beam; the file formats of old
-    // logs leave out the last of the 181 beams of a single turn.
-    const bool fine = name == "sick_lms";
-    p.beams = fine ? 361 : 180;
-    p.angle_min_rad = -M_PI_2;
-    p.angle_max_rad = fine ? M_PI_2 : M_PI_2 - M_PI / 180.0;
-    p.scan_rate_hz = fine ? 37.5 : 75.0;
-    p.time_increment_s = 1.0 / 75.0 / (fine ? 720.0 : 360.0);
-    p.range_min_m = 0.05;
-    p.range_max_m = 80.0;
-    p.range_sigma_m = 0.005;
-    p.range_resolution_m = 0.01;
-  } else if (name == "rplidar_a2") {
-    p.beams = 360;
-    p.angle_min_rad = -M_PI;
-    p.angle_max_rad = M_PI - 2.0 * M_PI / 360;
-    p.scan_rate_hz = 10.0;
-    p.time_increment_s = 0.1 / 360;
-    p.range_min_m = 0.15;
-    p.range_max_m = 12.0;
-    p.range_sigma_m = 0.01;
-    p.range_sigma_per_m = 0.01;
-  } else {
-    throw std::invalid_argument(
-        "lidar.preset must be utm_30lx, urg_04lx, sick_lms, sick_lms_180 or rplidar_a2, got '" +
-        name + "'");
-  }
-  return p;
-}
-
-}  // namespace
-
-void LidarParameters::validate() const {
-  require(beams >= 2 && beams <= kMaxBeams, "beams", beams, "2 to 20000");
-  require(angle_min_rad >= -2.0 * M_PI, "angle_min_rad", angle_min_rad, ">= -2 pi");
-  require(angle_max_rad > angle_min_rad, "angle_max_rad", angle_max_rad, "> angle_min_rad");
-  require(angle_max_rad - angle_min_rad <= 2.0 * M_PI, "angle_max_rad", angle_max_rad,
-          "at most a turn after angle_min_rad");
-  require(scan_rate_hz > 0.0 && scan_rate_hz <= 1000.0, "scan_rate_hz", scan_rate_hz,
-          "in (0, 1000]");
-  require(time_increment_s >= 0.0 && sweep_s() <= 1.0 / scan_rate_hz, "time_increment_s",
-          time_increment_s, ">= 0 and so small that a sweep fits between two scans");
-  require(range_min_m >= 0.0, "range_min_m", range_min_m, ">= 0");
-  require(range_max_m > range_min_m, "range_max_m", range_max_m, "> range_min_m");
-  require(range_sigma_m >= 0.0, "range_sigma_m", range_sigma_m, ">= 0");
-  require(range_sigma_per_m >= 0.0 && range_sigma_per_m < 1.0, "range_sigma_per_m",
-          range_sigma_per_m, "in [0, 1)");
-  require(far_range_sigma_m >= 0.0, "far_range_sigma_m", far_range_sigma_m, ">= 0");
-  require(far_range_m >= 0.0, "far_range_m", far_range_m, ">= 0");
-  require(range_bias_sigma_m >= 0.0, "range_bias_sigma_m", range_bias_sigma_m, ">= 0");
-  require(std::abs(warm_up_drift_m) < 1.0, "warm_up_drift_m", warm_up_drift_m, "in (-1, 1)");
-  require(warm_up_time_s > 0.0, "warm_up_time_s", warm_up_time_s, "> 0");
-  require(range_resolution_m >= 0.0 && range_resolution_m < 1.0, "range_resolution_m",
-          range_resolution_m, "in [0, 1)");
-  require(outlier_probability >= 0.0 && outlier_probability <= 1.0, "outlier_probability",
-          outlier_probability, "in [0, 1]");
-  require(half_detection_range_m >= 0.0, "half_detection_range_m", half_detection_range_m, ">= 0");
-  require(beam_divergence_rad >= 0.0 && beam_divergence_rad <= 0.1, "beam_divergence_rad",
-          beam_divergence_rad, "in [0, 0.1]");
-  require(pulse_length_m >= 0.0, "pulse_length_m", pulse_length_m, ">= 0");
-}
-
-LidarParameters readLidarParameters(ram_parameters::ParameterReader& reader) {
-  std::string preset_name = "utm_30lx";
-  reader.read("preset", preset_name);
-  LidarParameters p = preset(preset_name);
-  reader.read("beams", p.beams);
-  reader.read("angle_min_rad", p.angle_min_rad);
-  reader.read("angle_max_rad", p.angle_max_rad);
-  reader.read("scan_rate_hz", p.scan_rate_hz);
-  reader.read("time_increment_s", p.time_increment_s);
-  reader.read("range_min_m", p.range_min_m);
-  reader.read("range_max_m", p.range_max_m);
-  reader.read("range_sigma_m", p.range_sigma_m);
-  reader.read("range_sigma_per_m", p.range_sigma_per_m);
-  reader.read("far_range_sigma_m", p.far_range_sigma_m);
-  reader.read("far_range_m", p.far_range_m);
-  reader.read("range_bias_sigma_m", p.range_bias_sigma_m);
-  reader.read("warm_up_drift_m", p.warm_up_drift_m);
-  reader.read("warm_up_time_s", p.warm_up_time_s);
-  reader.read("range_resolution_m", p.range_resolution_m);
-  reader.read("outlier_probability", p.outlier_probability);
-  reader.read("half_detection_range_m", p.half_detection_range_m);
-  reader.read("beam_divergence_rad", p.beam_divergence_rad);
-  reader.read("pulse_length_m", p.pulse_length_m);
-  reader.rejectUnknown();
-  p.validate();
-  return p;
-}
 
 Lidar::Lidar(const LidarParameters& parameters, std::uint64_t seed)
     : parameters_((parameters.validate(), parameters)),
@@ -231,7 +116,7 @@ double Lidar::bias_m(std::uint64_t scan_index) const {
          parameters_.warm_up_drift_m * std::exp(-running_s / parameters_.warm_up_time_s);
 }
 
-/// Adds noise and bias, rounds, and says with infinity what is out of range.
+/// Adds noise and bias, rounds and replaces what is out of range by infinity.
 void Lidar::toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   // Adding it leaves no bit for fractions: what comes out is rounded to a whole number.

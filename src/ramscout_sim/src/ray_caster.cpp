@@ -96,14 +96,6 @@ Ray Rays::operator[](std::size_t index) const {
   return {origins_m.row(row), directions.row(row)};
 }
 
-InstructionSet parseInstructionSet(const std::string& name) {
-  constexpr std::array<const char*, 4> kNames = {"sse4.2", "avx", "avx2", "avx512"};
-  const auto* const found = std::find(kNames.begin(), kNames.end(), name);
-  if (found != kNames.end()) return static_cast<InstructionSet>(found - kNames.begin());
-  throw std::invalid_argument("instruction_set must be sse4.2, avx, avx2 or avx512, got '" + name +
-                              "'");
-}
-
 RayCaster::RayCaster(const World& world, InstructionSet widest)
     : implementation_(std::make_unique<Implementation>(world, widest)),
       materials_(world.materials),

@@ -6,15 +6,12 @@
 #include <limits>
 #include <stdexcept>
 
-#include "ram_parameters/require.hpp"
 #include "ramscout_sim/start_pose.hpp"
 
 namespace ramscout_sim {
 namespace {
 
-using ram_parameters::require;
-
-/// How often the driver of a tour looks where the robot is.
+/// How often the driver of a tour takes the pose of the robot.
 constexpr std::int64_t kDrivePeriod_ns = 10'000'000;
 
 /// When the n-th of a series with the given rate is due.
@@ -24,46 +21,13 @@ std::int64_t dueAt_ns(std::uint64_t index, double rate_hz) {
 
 }  // namespace
 
-void SimulationParameters::validate() const {
-  require(seed >= 0, "seed", seed, ">= 0");
-  require(physics_rate_hz >= 100.0 && physics_rate_hz <= 10000.0, "physics_rate_hz",
-          physics_rate_hz, "in [100, 10000]");
-  require(odometry_rate_hz > 0.0 && odometry_rate_hz <= physics_rate_hz, "odometry_rate_hz",
-          odometry_rate_hz, "in (0, physics_rate_hz]");
-  parseInstructionSet(instruction_set);
-  drive.validate();
-  odometry.validate();
-  lidar.validate();
-}
-
-SimulationParameters readSimulationParameters(ram_parameters::ParameterReader& reader) {
-  SimulationParameters p;
-  reader.read("seed", p.seed);
-  reader.read("physics_rate_hz", p.physics_rate_hz);
-  reader.read("odometry_rate_hz", p.odometry_rate_hz);
-  reader.read("instruction_set", p.instruction_set);
-  ram_parameters::ParameterReader drive = reader.section("drive");
-  drive.read("max_speed_mps", p.drive.max_speed_mps);
-  drive.read("max_turn_speed_radps", p.drive.max_turn_speed_radps);
-  drive.read("max_acceleration_mps2", p.drive.max_acceleration_mps2);
-  drive.read("max_turn_acceleration_radps2", p.drive.max_turn_acceleration_radps2);
-  drive.read("command_timeout_s", p.drive.command_timeout_s);
-  drive.rejectUnknown();
-  ram_parameters::ParameterReader odometry = reader.section("odometry");
-  p.odometry = readOdometryParameters(odometry);
-  ram_parameters::ParameterReader lidar = reader.section("lidar");
-  p.lidar = readLidarParameters(lidar);
-  p.validate();
-  return p;
-}
-
 Simulation::Simulation(const SimulationParameters& parameters,
                        const RobotDescription& robot,
                        const World& world,
                        const std::optional<Tour>& tour)
     : parameters_((parameters.validate(), parameters)),
       robot_(robot),
-      ray_caster_(world, parseInstructionSet(parameters.instruction_set)),
+      ray_caster_(world, parameters.instruction_set),
       physics_(startedPhysics(withTrueGeometry(robot, parameters.odometry), world)),
       actors_(world),
       odometry_(robot, parameters.odometry, static_cast<std::uint64_t>(parameters.seed)),

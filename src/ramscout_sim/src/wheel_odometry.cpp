@@ -2,19 +2,12 @@
 #include "ramscout_sim/wheel_odometry.hpp"
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "ram_parameters/require.hpp"
 #include "ramscout_sim/drive.hpp"
 #include "ramscout_sim/random.hpp"
 
 namespace ramscout_sim {
 namespace {
-
-void require(bool condition, const char* parameter, double value, const char* bound) {
-  ram_parameters::require(condition, std::string("odometry.") + parameter, value, bound);
-}
 
 double square(double x) {
   return x * x;
@@ -22,37 +15,31 @@ double square(double x) {
 
 }  // namespace
 
-void OdometryParameters::validate() const {
-  require(wheel_diameter_ratio > 0.5 && wheel_diameter_ratio < 2.0, "wheel_diameter_ratio",
-          wheel_diameter_ratio, "in (0.5, 2)");
-  require(track_ratio > 0.5 && track_ratio < 2.0, "track_ratio", track_ratio, "in (0.5, 2)");
-  require(ticks_per_turn >= 4 && ticks_per_turn <= 10000000, "ticks_per_turn", ticks_per_turn,
-          "4 to 1e7");
-  require(slip_distance_sigma_per_sqrt_m >= 0.0, "slip_distance_sigma_per_sqrt_m",
-          slip_distance_sigma_per_sqrt_m, ">= 0");
-  require(slip_yaw_sigma_rad_per_sqrt_m >= 0.0, "slip_yaw_sigma_rad_per_sqrt_m",
-          slip_yaw_sigma_rad_per_sqrt_m, ">= 0");
-  require(slip_yaw_sigma_rad_per_sqrt_rad >= 0.0, "slip_yaw_sigma_rad_per_sqrt_rad",
-          slip_yaw_sigma_rad_per_sqrt_rad, ">= 0");
-  require(wheel_diameter_ratio_tolerance >= 0.0 && wheel_diameter_ratio_tolerance <= 1.0,
-          "wheel_diameter_ratio_tolerance", wheel_diameter_ratio_tolerance, "in [0, 1]");
-  require(track_ratio_tolerance >= 0.0 && track_ratio_tolerance <= 1.0, "track_ratio_tolerance",
-          track_ratio_tolerance, "in [0, 1]");
-}
-
-OdometryParameters readOdometryParameters(ram_parameters::ParameterReader& reader) {
-  OdometryParameters p;
-  reader.read("wheel_diameter_ratio", p.wheel_diameter_ratio);
-  reader.read("track_ratio", p.track_ratio);
-  reader.read("ticks_per_turn", p.ticks_per_turn);
-  reader.read("slip_distance_sigma_per_sqrt_m", p.slip_distance_sigma_per_sqrt_m);
-  reader.read("slip_yaw_sigma_rad_per_sqrt_m", p.slip_yaw_sigma_rad_per_sqrt_m);
-  reader.read("slip_yaw_sigma_rad_per_sqrt_rad", p.slip_yaw_sigma_rad_per_sqrt_rad);
-  reader.read("wheel_diameter_ratio_tolerance", p.wheel_diameter_ratio_tolerance);
-  reader.read("track_ratio_tolerance", p.track_ratio_tolerance);
-  reader.rejectUnknown();
-  p.validate();
-  return p;
+const ram_parameters::ParameterTable<OdometryParameters>& OdometryParameters::table() {
+  using namespace ram_parameters;
+  using P = OdometryParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("wheel_diameter_ratio", &P::wheel_diameter_ratio, "", between(0.5, 2.0),
+               "True diameter of the right wheel over the left (Ed of Borenstein and Feng); 1: "
+               "equal. Not for omni wheels.")
+          .add("track_ratio", &P::track_ratio, "", between(0.5, 2.0),
+               "True over nominal track width (Eb); 1: as nominal.")
+          .add("ticks_per_turn", &P::ticks_per_turn, "", within(4, 1e7), "Of the wheel encoders.")
+          .add("slip_distance_sigma_per_sqrt_m", &P::slip_distance_sigma_per_sqrt_m, "m/sqrt(m)",
+               atLeast(0.0), "Standard deviation of the driven distance after 1 m.")
+          .add("slip_yaw_sigma_rad_per_sqrt_m", &P::slip_yaw_sigma_rad_per_sqrt_m, "rad/sqrt(m)",
+               atLeast(0.0), "Standard deviation of the heading after 1 m.")
+          .add("slip_yaw_sigma_rad_per_sqrt_rad", &P::slip_yaw_sigma_rad_per_sqrt_rad,
+               "rad/sqrt(rad)", atLeast(0.0),
+               "Standard deviation of the heading after turning 1 rad.")
+          .add("wheel_diameter_ratio_tolerance", &P::wheel_diameter_ratio_tolerance, "",
+               within(0.0, 1.0),
+               "Standard deviation that the base ascribes to wheel_diameter_ratio: for the "
+               "published covariance only.")
+          .add("track_ratio_tolerance", &P::track_ratio_tolerance, "", within(0.0, 1.0),
+               "The same for track_ratio.");
+  return table;
 }
 
 RobotDescription withTrueGeometry(RobotDescription robot, const OdometryParameters& parameters) {

@@ -299,7 +299,7 @@ TEST(Lidar, RefusesBadParametersByName) {
     }
     return std::string("accepted");
   };
-  EXPECT_THAT(refusal([](LidarParameters& p) { p.beams = 1; }), HasSubstr("lidar.beams"));
+  EXPECT_THAT(refusal([](LidarParameters& p) { p.beams = 1; }), HasSubstr("beams"));
   EXPECT_THAT(refusal([](LidarParameters& p) { p.angle_max_rad = 9.0; }),
               HasSubstr("angle_max_rad"));
   EXPECT_THAT(refusal([](LidarParameters& p) { p.range_min_m = 50.0; }), HasSubstr("range_max_m"));

@@ -223,9 +223,9 @@ TEST(Simulation, RefusesBadParametersByName) {
   EXPECT_THAT(refusal([](SimulationParameters& p) { p.odometry_rate_hz = 0; }),
               HasSubstr("odometry_rate_hz"));
   EXPECT_THAT(refusal([](SimulationParameters& p) { p.drive.command_timeout_s = 0; }),
-              HasSubstr("drive.command_timeout_s"));
+              HasSubstr("drive/command_timeout_s"));
   EXPECT_THAT(refusal([](SimulationParameters& p) { p.drive.max_speed_mps = std::nan(""); }),
-              HasSubstr("drive.max_speed_mps"));
+              HasSubstr("drive/max_speed_mps"));
 }
 
 }  // namespace

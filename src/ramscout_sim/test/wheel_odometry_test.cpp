@@ -254,7 +254,7 @@ TEST(OdometryParameters, AreRefusedAsReadFromAFile) {
   for (const char* text : {"{track_ratio: 3}", "{wheel_diameter_ratio: 0}", "{ticks_per_turn: 1}",
                            "{slip_distance_sigma_per_sqrt_m: -1}", "{slip: 1}"}) {
     ram_parameters::ParameterReader reader(YAML::Load(text), "odometry");
-    EXPECT_THROW(readOdometryParameters(reader), std::invalid_argument) << text;
+    EXPECT_THROW(OdometryParameters::table().readAll(reader), std::invalid_argument) << text;
   }
 }
 

@@ -3,13 +3,14 @@
 
 #include <Eigen/Core>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_sim/physics.hpp"
 #include "ramscout_sim/pose2.hpp"
 #include "ramscout_sim/robot_description.hpp"
 
 namespace ramscout_sim {
 
-/// Limits of what the motors are told.
+/// Limits of what the motors are asked for.
 struct DriveParameters {
   double max_speed_mps = 1.5;
   double max_turn_speed_radps = 3.0;
@@ -18,15 +19,16 @@ struct DriveParameters {
   /// A command older than this counts as zero.
   double command_timeout_s = 0.5;
 
+  static const ram_parameters::ParameterTable<DriveParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
+  void validate() const { table().check(*this); }
 };
 
 /// One row per wheel: how fast its rim runs for a motion (forward, left, turn) of the base. The
 /// rows of steered wheels are zero.
 Eigen::Matrix<double, Eigen::Dynamic, 3> rimSpeedFromMotion(const RobotDescription& robot);
 
-/// The other way round, by least squares; what the wheels cannot tell is zero. (3 x wheels)
+/// The other way round, by least squares; what the wheels do not determine is zero. (3 x wheels)
 Eigen::Matrix<double, 3, Eigen::Dynamic> motionFromRimSpeed(const RobotDescription& robot);
 
 /// Turns commands into what wheels and steering shall do, within the drive's limits.
@@ -36,7 +38,7 @@ public:
 
   /// The setpoint `duration_s` later. A base without omni wheels ignores the speed to the left; a
   /// car keeps the curvature turn / forward within what its steering can do, and its wheels as they
-  /// are when it is told to stand.
+  /// are when the command is to stand.
   WheelMotion advance(const Twist2& wanted, double duration_s);
 
   /// The setpoint is zero at once; steering stays.

@@ -48,9 +48,6 @@ struct Hit {
 /// micrometres.
 enum class InstructionSet { kSse42, kAvx, kAvx2, kAvx512 };
 
-/// From `sse4.2`, `avx`, `avx2` or `avx512`. \throws std::invalid_argument for anything else
-InstructionSet parseInstructionSet(const std::string& name);
-
 /// Finds what rays hit first: boxes, cylinders and spheres with a tree of its own, meshes with
 /// Embree. Single thread.
 class RayCaster {

@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include "ram_parameters/parameter_reader.hpp"
 #include "ramscout_sim/actors.hpp"
 #include "ramscout_sim/drive.hpp"
 #include "ramscout_sim/faults.hpp"
@@ -16,29 +15,12 @@
 #include "ramscout_sim/physics.hpp"
 #include "ramscout_sim/ray_caster.hpp"
 #include "ramscout_sim/robot_description.hpp"
+#include "ramscout_sim/simulation_parameters.hpp"
 #include "ramscout_sim/tour.hpp"
 #include "ramscout_sim/wheel_odometry.hpp"
 #include "ramscout_sim/world.hpp"
 
 namespace ramscout_sim {
-
-struct SimulationParameters {
-  int seed = 1;
-  double physics_rate_hz = 1000.0;
-  double odometry_rate_hz = 100.0;
-  /// The widest that ray casting uses: sse4.2, avx, avx2 or avx512.
-  std::string instruction_set = "avx2";
-  DriveParameters drive;
-  OdometryParameters odometry;
-  LidarParameters lidar;
-
-  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
-};
-
-/// Reads `seed`, `physics_rate_hz`, `odometry_rate_hz`, `instruction_set` and the sections `drive`,
-/// `odometry`, `lidar`. Leaves unknown keys of the top level to the caller, who may have more.
-SimulationParameters readSimulationParameters(ram_parameters::ParameterReader& reader);
 
 /// The robot as it really is.
 struct GroundTruth {

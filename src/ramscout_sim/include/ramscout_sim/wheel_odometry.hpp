@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "ram_parameters/parameter_reader.hpp"
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_sim/physics.hpp"
 #include "ramscout_sim/pose2.hpp"
 #include "ramscout_sim/robot_description.hpp"
@@ -33,11 +33,10 @@ struct OdometryParameters {
   double wheel_diameter_ratio_tolerance = 0.0005;
   double track_ratio_tolerance = 0.002;
 
+  static const ram_parameters::ParameterTable<OdometryParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
+  void validate() const { table().check(*this); }
 };
-
-OdometryParameters readOdometryParameters(ram_parameters::ParameterReader& reader);
 
 /// The robot that really drives: the described one with the errors of wheel diameters and track
 /// built in.
@@ -55,7 +54,7 @@ struct OdometryReading {
   Eigen::Matrix3d twist_covariance = Eigen::Matrix3d::Zero();
   WheelValues wheel_angles_rad = {};  ///< as counted
   WheelValues wheel_speeds_radps = {};
-  WheelValues steering_rad = {};  ///< as told by the base; WheelOdometry leaves it zero
+  WheelValues steering_rad = {};  ///< as the base reports it; WheelOdometry leaves it zero
 };
 
 /// Counts wheel turns in ticks and integrates them with the nominal geometry. Steered wheels are

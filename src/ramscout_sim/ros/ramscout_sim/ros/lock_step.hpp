@@ -10,26 +10,15 @@
 #include <ros/ros.h>
 
 #include "ramscout_sim/ros/header_only.hpp"
+#include "ramscout_sim/simulator_node_parameters.hpp"
 
 namespace ramscout_sim_ros {
-
-struct LockStepParameters {
-  /// Topics whose messages begin with a header; empty: nobody is waited for.
-  std::vector<std::string> topics;
-  /// Wall time after which the simulation goes on without an answer.
-  double timeout_s = 5.0;
-  /// Wall time to wait at the start until every topic has a publisher and scans have a subscriber.
-  double start_timeout_s = 30.0;
-
-  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
-};
 
 /// Lets the simulation wait until those who work on its scans are done with the last one: a scan is
 /// answered when every topic has brought a message with the scan's stamp or a later one.
 class LockStep {
 public:
-  LockStep(ros::NodeHandle& node, const LockStepParameters& parameters);
+  LockStep(ros::NodeHandle& node, const ramscout_sim::LockStepParameters& parameters);
 
   /// Blocks until everybody is connected, shutdown, or the time-out. \param scans  the topic the
   /// others listen to
@@ -39,7 +28,7 @@ public:
   /// Callbacks must be served by another thread.
   void waitFor(const ros::Time& scan_stamp);
 
-  /// Tells the simulated time before anything of that time goes out: messages of a later stamp are
+  /// Sets the simulated time before anything of that time goes out: messages of a later stamp are
   /// left over from before a reset and no answers.
   void setNow(const ros::Time& now);
 
@@ -51,7 +40,7 @@ private:
   bool allConnected(const ros::Publisher& scans) const;
   std::string unanswered(const ros::Time& stamp) const;
 
-  LockStepParameters parameters_;
+  ramscout_sim::LockStepParameters parameters_;
   std::vector<ros::Subscriber> subscribers_;
   std::mutex mutex_;
   std::condition_variable answered_;

@@ -15,9 +15,11 @@
 #include "ram_parameters/parameter_reader.hpp"
 #include "ramscout_sim/SetRate.h"
 #include "ramscout_sim/Step.h"
+#include "ramscout_sim/fleet.hpp"
 #include "ramscout_sim/ros/fair_mutex.hpp"
+#include "ramscout_sim/ros/lock_step.hpp"
 #include "ramscout_sim/ros/robot_interface.hpp"
-#include "ramscout_sim/ros/simulator_parameters.hpp"
+#include "ramscout_sim/simulator_node_parameters.hpp"
 
 namespace ramscout_sim_ros {
 
@@ -45,7 +47,7 @@ private:
                  ramscout_sim::SetRate::Response& response);
   bool onStep(ramscout_sim::Step::Request& request, ramscout_sim::Step::Response& response);
 
-  SimulatorParameters parameters_;
+  ramscout_sim::SimulatorNodeParameters parameters_;
   ramscout_sim::World world_;
   std::vector<ramscout_sim::FleetMember> members_;
 

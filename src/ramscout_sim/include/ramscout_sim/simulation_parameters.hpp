@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "ram_parameters/parameter_table.hpp"
+#include "ramscout_sim/drive.hpp"
+#include "ramscout_sim/lidar_parameters.hpp"
+#include "ramscout_sim/ray_caster.hpp"
+#include "ramscout_sim/wheel_odometry.hpp"
+
+namespace ramscout_sim {
+
+struct SimulationParameters {
+  int seed = 1;
+  double physics_rate_hz = 1000.0;
+  double odometry_rate_hz = 100.0;
+  /// The widest that ray casting uses.
+  InstructionSet instruction_set = InstructionSet::kAvx2;
+  DriveParameters drive;
+  OdometryParameters odometry;
+  LidarParameters lidar;
+
+  static const ram_parameters::ParameterTable<SimulationParameters>& table();
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const { table().check(*this); }
+};
+
+/// Reads every key of the table, after the lidar's preset. Leaves unknown keys to the caller, who
+/// may have more.
+SimulationParameters readSimulationParameters(ram_parameters::ParameterReader& reader);
+
+}  // namespace ramscout_sim

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ram_parameters/parameter_table.hpp"
+#include "ramscout_sim/simulation_parameters.hpp"
+
+namespace ramscout_sim {
+
+/// What a robot may have for itself.
+struct RobotParameters {
+  /// Namespace of its topics, prefix of its frames; empty: the only robot, without either.
+  std::string name;
+  /// Tour file; empty: the robot obeys cmd_vel.
+  std::string tour;
+  /// URDF file; empty: the text in the parameter `robot_description`.
+  std::string robot;
+  /// Fault file; empty: nothing goes wrong unless inject_fault asks for it.
+  std::string faults;
+  std::string laser_frame = "laser";
+  /// Pose in the world [x, y, yaw]; empty: the world's own start.
+  std::vector<double> start;
+
+  /// All but the name.
+  static const ram_parameters::ParameterTable<RobotParameters>& table();
+};
+
+/// How the simulation waits for those who work on its scans.
+struct LockStepParameters {
+  /// Topics whose messages begin with a header; empty: it never waits.
+  std::vector<std::string> topics;
+  /// Wall time after which the simulation goes on without an answer.
+  double timeout_s = 5.0;
+  /// Wall time to wait at the start until every topic has a publisher and scans have a subscriber.
+  double start_timeout_s = 30.0;
+
+  static const ram_parameters::ParameterTable<LockStepParameters>& table();
+};
+
+/// Everything in config/simulator.yaml.
+struct SimulatorNodeParameters {
+  /// World file, map, model or mesh; empty: an endless floor.
+  std::string world;
+  /// What holds for each robot unless its own section overrides it.
+  RobotParameters every_robot;
+  std::vector<std::string> robot_names;
+  /// Simulated seconds per second; 0: as fast as possible.
+  double real_time_factor = 1.0;
+  double clock_rate_hz = 100.0;
+  LockStepParameters lock_step;
+  SimulationParameters simulation;
+  /// At least one; made from `robot_names` and the sections of these names.
+  std::vector<RobotParameters> robots = {RobotParameters()};
+
+  /// Without the sections of the robots.
+  static const ram_parameters::ParameterTable<SimulatorNodeParameters>& table();
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const;
+};
+
+/// Reads every key; `robots` is a list of names, each the key of a section of its own that
+/// overrides what the top level states for all robots.
+SimulatorNodeParameters readSimulatorNodeParameters(ram_parameters::ParameterReader& reader);
+
+}  // namespace ramscout_sim
