@@ -14,18 +14,21 @@ EdgeDetectorNode::EdgeDetectorNode(ram_parameters::ParameterReader& reader)
       features_publisher_(ros::NodeHandle().advertise<ram_slam_msgs::FeatureList>("features", 10)),
       markers_publisher_(
           ros::NodeHandle().advertise<visualization_msgs::MarkerArray>("feature_markers", 1)),
-      input_(detector_.parameters().base_frame,
+      input_(detector_.parameters().node,
              [this](const auto& scan, const auto& pose) { detect(scan, pose); }) {
-  ROS_INFO_STREAM("Looking for edges, features in frame " << detector_.parameters().base_frame);
+  ROS_INFO_STREAM("Searching for edges, publishing features in frame "
+                  << detector_.parameters().node.base_frame);
 }
 
 void EdgeDetectorNode::detect(const ram_slam::LaserScan& scan,
                               const ram_slam::Pose2& base_from_laser) {
   const ram_slam::FeatureList list = detector_.detect(scan, base_from_laser);
-  const auto features = ram_slam_ros::toFeatureListMessage(list, detector_.parameters().base_frame);
+  const auto features =
+      ram_slam_ros::toFeatureListMessage(list, detector_.parameters().node.base_frame);
   features_publisher_.publish(features);
   if (markers_publisher_.getNumSubscribers() > 0) {
-    markers_publisher_.publish(featureMarkers(list, features.header));
+    markers_publisher_.publish(
+        featureMarkers(list, features.header, detector_.parameters().node.markers));
   }
 }
 

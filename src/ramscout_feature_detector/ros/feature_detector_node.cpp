@@ -17,16 +17,18 @@ FeatureDetectorNode::FeatureDetectorNode(ram_parameters::ParameterReader& reader
       markers_publisher_(
           ros::NodeHandle().advertise<visualization_msgs::MarkerArray>("feature_markers", 1)),
       image_publisher_(ros::NodeHandle().advertise<sensor_msgs::Image>("feature_image", 1)),
-      input_(detector_.parameters().base_frame,
+      input_(detector_.parameters().node,
              [this](const auto& scan, const auto& pose) { detect(scan, pose); }) {
   for (const std::string& warning : detector_.parameters().warnings()) ROS_WARN_STREAM(warning);
-  ROS_INFO_STREAM("Looking for corners, features in frame " << detector_.parameters().base_frame);
+  ROS_INFO_STREAM("Searching for corners, publishing features in frame "
+                  << detector_.parameters().node.base_frame);
 }
 
 void FeatureDetectorNode::detect(const ram_slam::LaserScan& scan,
                                  const ram_slam::Pose2& base_from_laser) {
   const ram_slam::FeatureList list = detector_.detect(scan, base_from_laser);
-  const auto features = ram_slam_ros::toFeatureListMessage(list, detector_.parameters().base_frame);
+  const auto features =
+      ram_slam_ros::toFeatureListMessage(list, detector_.parameters().node.base_frame);
   features_publisher_.publish(features);
   show(scan, list, base_from_laser, features.header);
 }
@@ -36,9 +38,9 @@ void FeatureDetectorNode::show(const ram_slam::LaserScan& scan,
                                const ram_slam::Pose2& base_from_laser,
                                const std_msgs::Header& header) {
   if (markers_publisher_.getNumSubscribers() > 0) {
-    auto markers = featureMarkers(list, header);
-    markers.markers.push_back(exclusionMarker(detector_.analyse(scan), base_from_laser,
-                                              detector_.parameters().occlude_limit, header));
+    auto markers = featureMarkers(list, header, detector_.parameters().node.markers);
+    markers.markers.push_back(
+        exclusionMarker(detector_.analyse(scan), base_from_laser, detector_.parameters(), header));
     markers_publisher_.publish(markers);
   }
   if (image_publisher_.getNumSubscribers() > 0) {

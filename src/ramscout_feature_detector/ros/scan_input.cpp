@@ -11,11 +11,6 @@
 namespace ramscout_feature_detector_ros {
 namespace {
 
-constexpr std::size_t kMostLasers = 32;
-constexpr double kLogPeriodS = 5.0;
-/// As in ram_slam_ros::toLaserScan().
-constexpr float kLongestIncrementS = 1.0F;
-
 /// A frame without the leading slash that tf2 refuses.
 std::string withoutSlash(const std::string& frame) {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
@@ -25,28 +20,30 @@ bool isDuration(float seconds) {
   return std::isfinite(seconds) && seconds >= 0.0F;
 }
 
-/// What is wrong with a scan that can be used all the same, and what is made of it.
-std::vector<std::string> oddities(const sensor_msgs::LaserScan& message) {
+/// What is wrong with a message that can be used all the same, and what is made of it.
+/// \param scan  what was made of it
+std::vector<std::string> oddities(const sensor_msgs::LaserScan& message,
+                                  const ram_slam::LaserScan& scan) {
   std::vector<std::string> found;
   const double beams =
       (static_cast<double>(message.angle_max) - message.angle_min) / message.angle_increment + 1.0;
   if (!(std::abs(beams - static_cast<double>(message.ranges.size())) <= 1.0)) {
-    found.push_back("its ranges are not as many as its angles say; angle_max is not used");
+    found.push_back("number of ranges does not agree with its angles; angle_max is not used");
   }
-  if (!isDuration(message.time_increment) || message.time_increment >= kLongestIncrementS) {
-    found.push_back("its time_increment is no duration; taken as measured at once");
+  if (message.time_increment != 0.0F && scan.time_increment_s == 0.0) {
+    found.push_back("time_increment is no plausible duration; taken as measured at once");
   }
-  if (!isDuration(message.scan_time)) found.push_back("its scan_time is no duration; not used");
+  if (!isDuration(message.scan_time)) found.push_back("scan_time is no duration; it is not used");
   if (!message.intensities.empty() && message.intensities.size() != message.ranges.size()) {
-    found.push_back("its intensities are not as many as its ranges; they are not used");
+    found.push_back("number of intensities differs from that of ranges; they are not used");
   }
   if (message.header.frame_id.front() == '/') {
-    found.push_back("its frame_id begins with a slash; left out");
+    found.push_back("frame_id begins with a slash, which is left out");
   }
   return found;
 }
 
-/// Whether no reading says anything, as of a laser that is covered or broken.
+/// Whether no reading contains information, as of a laser that is covered or broken.
 bool isBlind(const ram_slam::LaserScan& scan) {
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const ram_slam::Return seen = scan.at(beam);
@@ -57,10 +54,11 @@ bool isBlind(const ram_slam::LaserScan& scan) {
 
 }  // namespace
 
-ScanInput::ScanInput(const std::string& base_frame, Callback use)
-    : base_frame_(base_frame), use_(std::move(use)), tf_listener_(tf_buffer_) {
+ScanInput::ScanInput(const ramscout_feature_detector::DetectorNodeParameters& parameters,
+                     Callback use)
+    : parameters_(parameters), use_(std::move(use)), tf_listener_(tf_buffer_) {
   ros::NodeHandle node;
-  silence_timer_ = node.createWallTimer(ros::WallDuration(kLogPeriodS),
+  silence_timer_ = node.createWallTimer(ros::WallDuration(parameters_.log_period_s),
                                         [this](const ros::WallTimerEvent&) { explainSilence(); });
   scan_subscriber_ =
       node.subscribe("scan", 100, &ScanInput::onScan, this, ros::TransportHints().tcpNoDelay());
@@ -83,7 +81,7 @@ void ScanInput::onScan(const sensor_msgs::LaserScan& message) {
   try {
     process(message);
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Skipped a scan: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(parameters_.log_period_s, "Skipped a scan: " << error.what());
   }
 }
 
@@ -95,14 +93,14 @@ void ScanInput::process(const sensor_msgs::LaserScan& message) {
   ros::Time& last_stamp = last_stamps_[laser_frame];
   if (message.header.stamp == last_stamp) return;  // the same message again
   last_stamp = message.header.stamp;
-  for (const std::string& oddity : oddities(message)) {
-    if (said_.insert(laser_frame + oddity).second) {
-      ROS_WARN_STREAM("Scan of " << laser_frame << ": " << oddity << " (said once)");
+  for (const std::string& oddity : oddities(message, scan)) {
+    if (warned_.insert(laser_frame + oddity).second) {
+      ROS_WARN_STREAM("Scan of " << laser_frame << ": " << oddity << " (warned once)");
     }
   }
   if (isBlind(scan)) {
-    ROS_WARN_STREAM_THROTTLE(kLogPeriodS,
-                             "Scan of " << laser_frame << ": no reading says anything");
+    ROS_WARN_STREAM_THROTTLE(parameters_.log_period_s,
+                             "Scan of " << laser_frame << ": no reading contains information");
   }
   if (mounting.upside_down) scan = ram_slam::mirrored(std::move(scan));
   use_(scan, mounting.base_from_sensor);
@@ -111,10 +109,12 @@ void ScanInput::process(const sensor_msgs::LaserScan& message) {
 ram_slam_ros::Mounting ScanInput::mountingOf(const std::string& laser_frame) {
   const auto known = mountings_.find(laser_frame);
   if (known != mountings_.end()) return known->second;
-  if (mountings_.size() >= kMostLasers) {
-    throw std::invalid_argument("more than " + std::to_string(kMostLasers) + " laser frames");
+  if (mountings_.size() >= static_cast<std::size_t>(parameters_.max_lasers)) {
+    throw std::invalid_argument("more than " + std::to_string(parameters_.max_lasers) +
+                                " laser frames");
   }
-  const auto transform = tf_buffer_.lookupTransform(base_frame_, laser_frame, ros::Time(0));
+  const auto transform =
+      tf_buffer_.lookupTransform(parameters_.base_frame, laser_frame, ros::Time(0));
   const ram_slam_ros::Mounting mounting = ram_slam_ros::toMounting(transform.transform);
   mountings_[laser_frame] = mounting;
   ROS_INFO_STREAM("Laser " << laser_frame << (mounting.upside_down ? " (upside down)" : "")

@@ -14,12 +14,13 @@
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/ros/mounting.hpp"
 #include "ram_slam/sensing/laser_scan.hpp"
+#include "ramscout_feature_detector/shared_parameters.hpp"
 
 namespace ramscout_feature_detector_ros {
 
 /// Subscribes `scan` and passes on each scan once, as an upright laser would have given it, with
 /// the pose of the laser. What cannot be used is skipped with a warning; of what is odd but can be
-/// used it is said once. Until the first scan it says if the topic carries another type.
+/// used it warns once. Until the first scan it reports if the topic carries another type.
 ///
 /// The mounting of each laser (frame of the scan) is read from tf once: lasers are bolted on.
 class ScanInput {
@@ -28,7 +29,7 @@ public:
       std::function<void(const ram_slam::LaserScan&, const ram_slam::Pose2& base_from_laser)>;
 
   /// \param use  may throw: the scan is then skipped with a warning
-  ScanInput(const std::string& base_frame, Callback use);
+  ScanInput(const ramscout_feature_detector::DetectorNodeParameters& parameters, Callback use);
 
 private:
   void explainSilence();
@@ -38,13 +39,13 @@ private:
   /// level
   ram_slam_ros::Mounting mountingOf(const std::string& laser_frame);
 
-  std::string base_frame_;
+  ramscout_feature_detector::DetectorNodeParameters parameters_;
   Callback use_;
   tf2_ros::Buffer tf_buffer_;
   tf2_ros::TransformListener tf_listener_;
   std::map<std::string, ram_slam_ros::Mounting> mountings_;
   std::map<std::string, ros::Time> last_stamps_;
-  std::set<std::string> said_;
+  std::set<std::string> warned_;
   ros::WallTimer silence_timer_;
   ros::Subscriber scan_subscriber_;
 };

@@ -8,26 +8,31 @@
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr double kPriorPoints = 8.0;
-constexpr std::size_t kSmoothingHalfWidth = 4;
+/// (1 um)^2, far below any sensor's noise: keeps divisions by the spread finite.
 constexpr double kSmallestSpreadM2 = 1e-12;
-constexpr int kRefinements = 2;
-constexpr double kSmallestCosIncidence = 0.05;
 
 }  // namespace
 
-double LineFit::noiseVariance(double prior_m2) const {
+double LineFit::noiseVariance(double prior_m2, double prior_points) const {
   const double freedom = std::max(count - 2, 0);
-  const double all = kPriorPoints + freedom;
+  const double all = prior_points + freedom;
   // Second order: the mean of 1 / estimate is that of 1 / variance.
-  return (kPriorPoints * prior_m2 + residual_m2) / all * (1.0 + 2.0 * freedom / (all * all));
+  return (prior_points * prior_m2 + residual_m2) / all * (1.0 + 2.0 * freedom / (all * all));
 }
 
-Contour::Contour(std::vector<Eigen::Vector2d> points_m, bool closed)
+double LineFit::offsetVariance(double noise_m2, const Eigen::Vector2d& point_m) const {
+  const double along_m = direction.dot(point_m - centroid_m);
+  return noise_m2 * (1.0 / count + along_m * along_m / spread_m2);
+}
+
+Contour::Contour(std::vector<Eigen::Vector2d> points_m,
+                 bool closed,
+                 const LineParameters& parameters)
     : points_m_(std::move(points_m)),
       sums_(points_m_.size() + 1),
       arcs_m_(points_m_.size()),
-      closed_(closed) {
+      closed_(closed),
+      parameters_(parameters) {
   for (std::size_t i = 0; i < size(); ++i) {
     const Eigen::Vector2d p = points_m_[i] - points_m_[0];
     const Sums& s = sums_[i];
@@ -35,7 +40,8 @@ Contour::Contour(std::vector<Eigen::Vector2d> points_m, bool closed)
                     s.yy + p.y() * p.y()};
   }
   const auto smoothed = [this](std::size_t i) -> Eigen::Vector2d {
-    const std::size_t half = std::min({kSmoothingHalfWidth, i, size() - 1 - i});
+    const std::size_t half =
+        std::min({static_cast<std::size_t>(parameters_.smoothing_half_width), i, size() - 1 - i});
     const Sums& from = sums_[i - half];
     const Sums& to = sums_[i + half + 1];
     return Eigen::Vector2d(to.x - from.x, to.y - from.y) / static_cast<double>(2 * half + 1);
@@ -113,15 +119,15 @@ bool Contour::bendsAt(std::size_t first,
 }
 
 LineFit Contour::refine(LineFit line, std::size_t first, std::size_t last) const {
-  for (int i = 0; i < kRefinements; ++i) {
-    const Eigen::Vector2d normal(-line.direction.y(), line.direction.x());
+  for (int i = 0; i < parameters_.refinements; ++i) {
+    const Eigen::Vector2d normal = line.normal();
     const double distance_m = normal.dot(line.centroid_m);
     double w = 0.0, wt = 0.0, wtt = 0.0, we = 0.0, wte = 0.0, wee = 0.0;
     for (std::size_t j = first; j <= last; ++j) {
       const Eigen::Vector2d beam = points_m_[j].normalized();
       const double incidence = normal.dot(beam);
       const double cos_incidence =
-          std::copysign(std::max(std::abs(incidence), kSmallestCosIncidence), incidence);
+          std::copysign(std::max(std::abs(incidence), parameters_.min_cos_incidence), incidence);
       const double along_m =
           line.direction.dot(distance_m / cos_incidence * beam - line.centroid_m);
       const double across_m = normal.dot(points_m_[j]) - distance_m;

@@ -13,21 +13,22 @@
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr int kWindowRadius = 10;  // 2.5 standard deviations of the window
+/// Of the window [pixels], as in Li & Olson.
 constexpr float kWindowSigma = 4.0F;
-constexpr int kResponses = 2 * (kPeakSearchPixels + 1) + 1;  // a maximum needs neighbours
-constexpr int kGradients = kResponses + 2 * kWindowRadius;
-static_assert(kResponses == kResponsePixels);
-static_assert(kPatchPixels == kGradients + 2, "a gradient needs neighbours");
+/// Of the window, 2.5 standard deviations: what a response needs on each side besides the one pixel
+/// of a gradient.
+constexpr int kWindowRadius = kResponseBorder - 1;
+static_assert(kWindowRadius == 10);
+static_assert(kResponsePixels == 2 * (kPeakSearchPixels + 1) + 1, "a maximum needs neighbours");
+constexpr int kGradients = kPatchPixels - 2;  // a gradient needs neighbours
 // Loops run over whole registers of the processor; what they compute beyond is not used.
 constexpr int kGradientColumns = 40;
 constexpr int kResponseColumns = 24;
-constexpr int kPaddedColumns = 48;
 static_assert(kGradientColumns >= kGradients && kGradientColumns + 2 <= kPatchColumns);
-static_assert(kResponseColumns >= kResponses);
-static_assert(kPaddedColumns >= kResponseColumns + 2 * kWindowRadius);
-using Products = Grid<kGradients, kPaddedColumns>;
-using Responses = Grid<kResponses, kResponseColumns>;
+static_assert(kResponseColumns >= kResponsePixels);
+static_assert(kPatchColumns >= kResponseColumns + 2 * kWindowRadius);
+using Products = Grid<kGradients, kPatchColumns>;
+using Responses = Grid<kResponsePixels, kResponseColumns>;
 
 /// Products of the gradient's components: [[xx, xy], [xy, yy]] summed over a window is the
 /// structure tensor.
@@ -79,26 +80,25 @@ const Window& window() {
 RAMSCOUT_WIDE_REGISTERS
 Responses smooth(const Products& products) {
   const Window& w = window();
-  constexpr int kLast = 2 * kWindowRadius;
-  Grid<kResponses, kPaddedColumns> columns{};
-  for (int row = 0; row < kResponses; ++row) {
+  Grid<kResponsePixels, kPatchColumns> columns{};
+  for (int row = 0; row < kResponsePixels; ++row) {
     float* sum = columns[row].data();
     const float* middle = products[row + kWindowRadius].data();
     for (int i = 0; i < kGradientColumns; ++i) sum[i] = w[kWindowRadius] * middle[i];
     for (int k = 0; k < kWindowRadius; ++k) {  // the window is symmetric
       const float* above = products[row + k].data();
-      const float* below = products[row + kLast - k].data();
+      const float* below = products[row + 2 * kWindowRadius - k].data();
       for (int i = 0; i < kGradientColumns; ++i) sum[i] += w[k] * (above[i] + below[i]);
     }
   }
   Responses result;
-  for (int row = 0; row < kResponses; ++row) {
+  for (int row = 0; row < kResponsePixels; ++row) {
     float* sum = result[row].data();
     const float* line = columns[row].data();
     for (int i = 0; i < kResponseColumns; ++i) sum[i] = w[kWindowRadius] * line[i + kWindowRadius];
     for (int k = 0; k < kWindowRadius; ++k) {
       for (int i = 0; i < kResponseColumns; ++i)
-        sum[i] += w[k] * (line[i + k] + line[i + kLast - k]);
+        sum[i] += w[k] * (line[i + k] + line[i + 2 * kWindowRadius - k]);
     }
   }
   return result;
@@ -111,7 +111,7 @@ struct Tensors {
 RAMSCOUT_WIDE_REGISTERS
 Tensors structureTensors(const GradientProducts& g) {
   Tensors t{smooth(g.xx), smooth(g.xy), smooth(g.yy), {}};
-  for (int row = 0; row < kResponses; ++row) {
+  for (int row = 0; row < kResponsePixels; ++row) {
     for (int i = 0; i < kResponseColumns; ++i) {
       const float difference = t.xx[row][i] - t.yy[row][i];
       t.min_eigenvalue[row][i] =
@@ -182,8 +182,8 @@ std::vector<ResponsePeak> findResponsePeaks(const std::vector<Eigen::Vector2d>& 
   const Tensors tensors = structureTensors(gradients);
 
   std::vector<ResponsePeak> peaks;
-  for (int row = 1; row + 1 < kResponses; ++row) {
-    for (int column = 1; column + 1 < kResponses; ++column) {
+  for (int row = 1; row + 1 < kResponsePixels; ++row) {
+    for (int column = 1; column + 1 < kResponsePixels; ++column) {
       if (!isLocalMaximum(tensors.min_eigenvalue, row, column)) continue;
       const auto offset = foerstnerOffset(gradients, row, column);
       if (!offset) continue;

@@ -5,19 +5,14 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/LU>
+#include "uncertainty.hpp"
 
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr double kFarthestPeakPixels = 5.0;
-constexpr double kSignificantOnOneLevel = 25.0;
-
 bool isCertain(const Eigen::Matrix2d& covariance_m2, const FeatureDetectorParameters& parameters) {
   if (covariance_m2.cwiseAbs().maxCoeff() > parameters.covariance_limit) return false;
-  const double mean = 0.5 * covariance_m2.trace();
-  const double largest = mean + std::sqrt(std::max(mean * mean - covariance_m2.determinant(), 0.0));
-  return largest <= parameters.position_sigma_limit * parameters.position_sigma_limit;
+  return largestVariance(covariance_m2) <= square(parameters.position_sigma_limit);
 }
 
 /// Whether the ridges in the image cross where the lines do, and the maximum is there.
@@ -29,10 +24,10 @@ bool agrees(const ResponsePeak& peak,
     return std::abs(pixel - static_cast<int>(std::floor(place_m * ppm))) <= kPeakSearchPixels;
   };
   return isNear(peak.column, lines.position_m.x()) && isNear(peak.row, lines.position_m.y()) &&
-         (peak.point_m - lines.position_m).norm() * ppm <= kFarthestPeakPixels;
+         (peak.point_m - lines.position_m).norm() * ppm <= parameters.max_peak_offset_px;
 }
 
-/// The strongest of the peaks that speak for a corner.
+/// The strongest of the peaks that support a corner.
 const ResponsePeak* supportOf(const TwoLineCorner& lines,
                               const std::vector<ResponsePeak>& peaks,
                               const FeatureDetectorParameters& parameters) {
@@ -48,7 +43,7 @@ bool sharePeak(const Corner& a, const Corner& b) {
   return a.peak.level == b.peak.level && a.peak.column == b.peak.column && a.peak.row == b.peak.row;
 }
 
-/// Of the crossings of lines that one peak speaks for the most significant one.
+/// Of the crossings of lines that one peak supports the most significant one.
 std::vector<Corner> onePerPeak(const std::vector<Corner>& corners) {
   std::vector<Corner> kept;
   for (const Corner& corner : corners) {
@@ -97,7 +92,7 @@ std::optional<Corner> confirm(const TwoLineCorner& lines,
     if (peak != nullptr) {
       if (!corner) corner = Corner{lines, *peak};
       if (finer_agrees || parameters.scale_levels == 1 ||
-          lines.significance >= kSignificantOnOneLevel) {
+          lines.significance >= parameters.single_level_significance) {
         return corner;
       }
     }

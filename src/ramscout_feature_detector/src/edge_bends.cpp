@@ -6,22 +6,16 @@
 
 #include "ramscout_feature_detector/edge_fits.hpp"
 
-#include "edge_uncertainty.hpp"
+#include "uncertainty.hpp"
 
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr std::size_t kSmallestLinePoints = 3;
-/// Chi square by which two lines must describe a bend better than one, at the most suitable of many
-/// points.
-constexpr double kBendGain = 16.0;
-constexpr double kFarthestCrossingM = 0.1;
-
 Eigen::Vector2d crossing(const LineFit& a, const LineFit& b) {
   Eigen::Matrix2d normals;
-  normals << normalOf(a).transpose(), normalOf(b).transpose();
+  normals << a.normal().transpose(), b.normal().transpose();
   return normals.inverse() *
-         Eigen::Vector2d(normalOf(a).dot(a.centroid_m), normalOf(b).dot(b.centroid_m));
+         Eigen::Vector2d(a.normal().dot(a.centroid_m), b.normal().dot(b.centroid_m));
 }
 
 /// The two arms of a bend at a point.
@@ -47,7 +41,7 @@ std::optional<Arms> armsAt(const Contour& contour,
                            std::size_t i,
                            std::size_t last,
                            const EdgeDetectorParameters& parameters) {
-  if (i + 1 < first + kSmallestLinePoints || last + 1 < i + kSmallestLinePoints ||
+  if (i + 1 < first + LineFit::kFewestPoints || last + 1 < i + LineFit::kFewestPoints ||
       isNearlyStraight(contour[i] - contour[first], contour[last] - contour[i], parameters)) {
     return std::nullopt;
   }
@@ -56,12 +50,14 @@ std::optional<Arms> armsAt(const Contour& contour,
       std::acos(std::clamp(arms.before.direction.dot(arms.after.direction), -1.0, 1.0));
   if (arms.angle_rad < parameters.bend_angle) return std::nullopt;
   const double prior_m2 = square(parameters.laser_range_sigma);
-  arms.variance_rad2 = arms.before.angleVariance(arms.before.noiseVariance(prior_m2)) +
-                       arms.after.angleVariance(arms.after.noiseVariance(prior_m2));
+  const double prior_points = parameters.two_lines.line.noise_prior_points;
+  arms.variance_rad2 =
+      arms.before.angleVariance(arms.before.noiseVariance(prior_m2, prior_points)) +
+      arms.after.angleVariance(arms.after.noiseVariance(prior_m2, prior_points));
   const double gain_m2 =
       contour.residual_m2(first, last) - arms.before.residual_m2 - arms.after.residual_m2;
   if (square(arms.angle_rad) < parameters.significance_min * arms.variance_rad2 ||
-      gain_m2 < kBendGain * prior_m2) {
+      gain_m2 < parameters.bends.bend_gain * prior_m2) {
     return std::nullopt;
   }
   return arms;
@@ -74,15 +70,19 @@ std::optional<Edge> bend(const Eigen::Vector2d& turn_m,
   Edge edge;
   edge.kind = Edge::Kind::kBend;
   const Eigen::Vector2d crossing_m = crossing(arms.before, arms.after);
-  edge.position_m = (crossing_m - turn_m).norm() < kFarthestCrossingM ? crossing_m : turn_m;
+  edge.position_m =
+      (crossing_m - turn_m).norm() < parameters.bends.max_crossing_m ? crossing_m : turn_m;
   edge.covariance_m2 = (square(parameters.laser_range_sigma) +
                         samplingVariance(edge.position_m.norm() * increment_rad)) *
                        Eigen::Matrix2d::Identity();
-  if (!isCertain(edge.covariance_m2, parameters)) return std::nullopt;
-  edge.covariance_m2 += kModelVarianceM2 * Eigen::Matrix2d::Identity();
+  if (largestVariance(edge.covariance_m2) > square(parameters.position_sigma_limit)) {
+    return std::nullopt;
+  }
+  edge.covariance_m2 += parameters.bends.ragged_variance_m2 * Eigen::Matrix2d::Identity();
   const Eigen::Vector2d bisector = arms.after.direction - arms.before.direction;
   edge.orientation_rad = std::atan2(bisector.y(), bisector.x());
-  edge.orientation_variance_rad2 = 0.25 * arms.variance_rad2 + kOrientationModelVarianceRad2;
+  edge.orientation_variance_rad2 =
+      0.25 * arms.variance_rad2 + parameters.bends.ragged_orientation_variance_rad2;
   return edge;
 }
 

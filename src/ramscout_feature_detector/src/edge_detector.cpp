@@ -12,11 +12,7 @@
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr std::size_t kSmallestObjectPoints = 2;
-constexpr std::size_t kSmallestLinePoints = 3;
-constexpr double kCornerReachM = 0.1;
-
-/// What was found, the most telling first.
+/// What was found, the most certain kind first.
 struct Found {
   std::vector<Edge> objects, corners, ends, bends;
 };
@@ -36,7 +32,7 @@ void search(Surface surface,
             const ram_slam::LaserScan& scan,
             const EdgeDetectorParameters& parameters,
             Found& found) {
-  if (surface.points_m.size() < kSmallestObjectPoints) return;
+  if (surface.points_m.size() < static_cast<std::size_t>(parameters.objects.min_points)) return;
   const double increment_rad = std::abs(scan.angle_increment_rad);
   Beside before, after;
   if (!surface.closed) {
@@ -49,8 +45,9 @@ void search(Surface surface,
     }
     return;
   }
-  if (surface.points_m.size() < kSmallestLinePoints) return;
-  const Contour contour = toContour(std::move(surface), 2.0 * parameters.bend_scale);
+  if (surface.points_m.size() < LineFit::kFewestPoints) return;
+  const Contour contour =
+      toContour(std::move(surface), 2.0 * parameters.bend_scale, parameters.two_lines.line);
   for (const bool first : {true, false}) {
     const Beside& end = first ? before : after;
     if (!end.in_front) continue;
@@ -72,13 +69,14 @@ std::vector<Edge> EdgeDetector::edges(const ram_slam::LaserScan& scan) const {
   scan.validate();
   Found found;
   for (Surface& surface :
-       splitIntoSurfaces(scan, parameters_.distance_threshold, parameters_.laser_range_sigma)) {
+       splitIntoSurfaces(scan, parameters_.distance_threshold, parameters_.laser_range_sigma,
+                         parameters_.segmentation)) {
     search(std::move(surface), scan, parameters_, found);
   }
   // Close to a corner that is seen whole, an end is a worse description of the same thing.
   const auto isOfCorner = [&](const Edge& end) {
     return std::any_of(found.corners.begin(), found.corners.end(), [&](const Edge& corner) {
-      return (corner.position_m - end.position_m).norm() < kCornerReachM;
+      return (corner.position_m - end.position_m).norm() < parameters_.ends.corner_reach_m;
     });
   };
   found.ends.erase(std::remove_if(found.ends.begin(), found.ends.end(), isOfCorner),

@@ -6,77 +6,53 @@
 
 #include "ramscout_feature_detector/two_line_corner.hpp"
 
-#include "edge_uncertainty.hpp"
+#include "uncertainty.hpp"
 
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr std::size_t kSmallestLinePoints = 3;
-constexpr double kTangentLengthM = 0.2;
-constexpr double kSmallestCosIncidence = 0.3;
-/// A reading within so many standard deviations of a line's prolongation may lie on it.
-constexpr double kContinuationSigmas = 4.0;
-/// Lines through fewer points: noise decided which of them belong to the leg.
-constexpr int kFewPoints = 6;
-/// Where the middle of a thing is, in widths: of square and round posts from all sides.
-constexpr double kObjectDepthShare = 0.15;
-constexpr double kObjectDepthSigmaShare = 0.1;
-constexpr double kObjectSideSigmaShare = 0.03;
-/// Chi square by which two lines must describe a corner better than one, at the most suitable of
-/// many points.
-constexpr double kCornerGain = 12.0;
-constexpr double kCornerWindowM = 0.2;
-/// So far from where an end is expected a wall may meet it.
-constexpr double kUnseenSpacings = 2.0;
-constexpr double kUnseenSigmas = 2.0;
+/// Grazing beams meet a line at any distance: bounds how far that makes an end uncertain.
+constexpr double kSmallestCosIncidence = 1e-3;
 
-/// What the fits of straight legs need to know.
-FeatureDetectorParameters legParameters(const EdgeDetectorParameters& parameters) {
-  FeatureDetectorParameters legs;
-  legs.laser_range_sigma = parameters.laser_range_sigma;
-  legs.significance_min = parameters.significance_min;
-  return legs;
+bool isCertain(const Edge& edge, const EdgeDetectorParameters& parameters) {
+  return largestVariance(edge.covariance_m2) <= square(parameters.position_sigma_limit);
 }
 
 /// The run of a surface up to its end and the noise across it.
 struct EndLine {
+  bool first;  ///< end, else the last
   LineFit line;
   double noise_m2 = 0.0;
   bool is_straight = false;
 
-  /// Variance of the line's distance from a point in its prolongation.
   double offsetVariance(const Eigen::Vector2d& point_m) const {
-    const double along_m = line.direction.dot(point_m - line.centroid_m);
-    return noise_m2 * (1.0 / line.count + square(along_m) / line.spread_m2);
+    return line.offsetVariance(noise_m2, point_m);
   }
 };
 
 EndLine endLine(const Contour& contour, bool first, const EdgeDetectorParameters& parameters) {
   const std::size_t end = first ? 0 : contour.size() - 1;
+  const CornerModel model = parameters.cornerModel();
+  const double tangent_m = parameters.ends.tangent_length_m;
   EndLine result;
-  if (const auto leg = longestLeg(contour, end, !first, legParameters(parameters))) {
+  result.first = first;
+  if (const auto leg = longestLeg(contour, end, !first, model)) {
     result.line = contour.refine(leg->line, leg->first, leg->last);
     result.is_straight = true;
   } else if (first) {
-    result.line =
-        contour.fit(0, std::max(contour.indexAt(kTangentLengthM), kSmallestLinePoints - 1));
+    result.line = contour.fit(0, std::max(contour.indexAt(tangent_m), LineFit::kFewestPoints - 1));
   } else {
-    result.line = contour.fit(std::min(contour.indexAt(contour.length_m() - kTangentLengthM),
-                                       contour.size() - kSmallestLinePoints),
+    result.line = contour.fit(std::min(contour.indexAt(contour.length_m() - tangent_m),
+                                       contour.size() - LineFit::kFewestPoints),
                               end);
   }
-  const double range_m = result.line.centroid_m.norm();
-  const double cos_incidence =
-      range_m > 0.0 ? std::abs(normalOf(result.line).dot(result.line.centroid_m)) / range_m : 1.0;
-  result.noise_m2 = result.line.noiseVariance(
-      square(parameters.laser_range_sigma * std::max(cos_incidence, kSmallestCosIncidence)));
+  result.noise_m2 = noiseOf(result.line, model);
   return result;
 }
 
-bool mayContinueAt(const EndLine& end, const Eigen::Vector2d& reading_m) {
-  const double off_m = normalOf(end.line).dot(reading_m - end.line.centroid_m);
-  return square(off_m) <
-         square(kContinuationSigmas) * (end.offsetVariance(reading_m) + end.noise_m2);
+bool mayContinueAt(const EndLine& end, const Eigen::Vector2d& reading_m, double sigmas) {
+  const double off_m = end.line.normal().dot(reading_m - end.line.centroid_m);
+  return square(off_m) < square(sigmas) * (end.offsetVariance(reading_m) + end.noise_m2);
 }
 
 /// Whether the next two readings lead back to the end: a wall that leaves at a grazing angle meets
@@ -86,19 +62,18 @@ bool mayContinueAt(const EndLine& end, const Eigen::Vector2d& reading_m) {
 bool isMetByWall(const EndLine& end,
                  const Eigen::Vector2d& end_m,
                  double reach_m,
-                 bool first,
                  const Beside& beside,
                  const ram_slam::LaserScan& scan) {
   const std::size_t count = scan.ranges_m.size();
-  if (!isFullTurn(scan) && beside.next == (first ? 0 : count - 1)) return false;
-  const std::size_t after_next = (beside.next + (first ? count - 1 : 1)) % count;
+  if (!isFullTurn(scan) && beside.next == (end.first ? 0 : count - 1)) return false;
+  const std::size_t after_next = (beside.next + (end.first ? count - 1 : 1)) % count;
   if (scan.at(beside.next) != ram_slam::Return::kHit ||
       scan.at(after_next) != ram_slam::Return::kHit) {
     return false;
   }
   const Eigen::Vector2d next_m = scan.end_m(beside.next);
   const Eigen::Vector2d back_m = next_m - scan.end_m(after_next);
-  const Eigen::Vector2d normal = normalOf(end.line);
+  const Eigen::Vector2d normal = end.line.normal();
   const double steps = normal.dot(end.line.centroid_m - next_m) / normal.dot(back_m);
   return steps > 0.0 && (next_m + steps * back_m - end_m).norm() < reach_m;
 }
@@ -108,15 +83,15 @@ std::optional<Eigen::Vector2d> crossing(const LineFit& line,
                                         double bearing_rad,
                                         double farthest_m) {
   const Eigen::Vector2d ray(std::cos(bearing_rad), std::sin(bearing_rad));
-  const double range_m = normalOf(line).dot(line.centroid_m) / normalOf(line).dot(ray);
+  const double range_m = line.normal().dot(line.centroid_m) / line.normal().dot(ray);
   if (!(range_m > 0.0 && range_m < farthest_m)) return std::nullopt;
   return range_m * ray;
 }
 
 /// By how much two lines describe the surroundings of a split better than one does.
-double gainAt(const Contour& contour, std::size_t split) {
-  const std::size_t first = contour.indexAt(contour.arc_m(split) - kCornerWindowM);
-  const std::size_t last = contour.indexAt(contour.arc_m(split) + kCornerWindowM);
+double gainAt(const Contour& contour, std::size_t split, double window_m) {
+  const std::size_t first = contour.indexAt(contour.arc_m(split) - window_m);
+  const std::size_t last = contour.indexAt(contour.arc_m(split) + window_m);
   return contour.residual_m2(first, last) - contour.residual_m2(first, split) -
          contour.residual_m2(split + 1, last);
 }
@@ -160,12 +135,13 @@ std::optional<Edge> fitObject(const Surface& surface,
   edge.kind = Edge::Kind::kObject;
   edge.covariance_m2 =
       (square(parameters.laser_range_sigma) / static_cast<double>(surface.points_m.size()) +
-       0.5 * samplingVariance(spacing_m) + kStraightModelVarianceM2) *
+       0.5 * samplingVariance(spacing_m) + parameters.two_lines.model_variance_m2) *
       Eigen::Matrix2d::Identity();
-  if (!isCertain(edge.covariance_m2, parameters)) return std::nullopt;
-  edge.position_m = seen_m + kObjectDepthShare * width_m * ray;
-  edge.covariance_m2 += square(kObjectDepthSigmaShare * width_m) * ray * ray.transpose() +
-                        square(kObjectSideSigmaShare * width_m) * side * side.transpose();
+  if (!isCertain(edge, parameters)) return std::nullopt;
+  const ObjectParameters& shape = parameters.objects;
+  edge.position_m = seen_m + shape.depth_share * width_m * ray;
+  edge.covariance_m2 += square(shape.depth_sigma_share * width_m) * ray * ray.transpose() +
+                        square(shape.side_sigma_share * width_m) * side * side.transpose();
   return edge;
 }
 
@@ -176,7 +152,7 @@ std::optional<Edge> fitEnd(const Contour& contour,
                            const EdgeDetectorParameters& parameters) {
   const EndLine found = endLine(contour, first, parameters);
   if (scan.at(beside.next) == ram_slam::Return::kHit &&
-      mayContinueAt(found, scan.end_m(beside.next))) {
+      mayContinueAt(found, scan.end_m(beside.next), parameters.ends.continuation_sigmas)) {
     return std::nullopt;
   }
   const double bearing_rad = scan.bearing_rad(beside.beam);
@@ -189,42 +165,47 @@ std::optional<Edge> fitEnd(const Contour& contour,
   edge.kind = Edge::Kind::kEnd;
   edge.position_m = 0.5 * (*last_m + *beyond_m);
   const Eigen::Vector2d step_m = *beyond_m - *last_m;
-  const double reach_m =
-      kUnseenSpacings * step_m.norm() + kUnseenSigmas * parameters.laser_range_sigma;
+  const double reach_m = parameters.ends.wall_spacings * step_m.norm() +
+                         parameters.ends.wall_sigmas * parameters.laser_range_sigma;
   edge.is_straight =
-      found.is_straight && !isMetByWall(found, edge.position_m, reach_m, first, beside, scan);
+      found.is_straight && !isMetByWall(found, edge.position_m, reach_m, beside, scan);
   const Eigen::Vector2d ray = edge.position_m.normalized();
-  const double cos_incidence = std::max(std::abs(normalOf(found.line).dot(ray)), 1e-3);
+  const double cos_incidence =
+      std::max(std::abs(found.line.normal().dot(ray)), kSmallestCosIncidence);
   edge.covariance_m2 =
-      (found.line.count <= kFewPoints ? 2.0 : 1.0) / 12.0 * step_m * step_m.transpose() +
+      (found.line.count <= parameters.ends.few_points ? 2.0 : 1.0) / 12.0 * step_m *
+          step_m.transpose() +
       found.offsetVariance(edge.position_m) / square(cos_incidence) * ray * ray.transpose();
-  if (!isCertain(edge.covariance_m2, parameters)) return std::nullopt;
-  edge.covariance_m2 += (edge.is_straight ? kStraightModelVarianceM2 : kModelVarianceM2) *
+  if (!isCertain(edge, parameters)) return std::nullopt;
+  edge.covariance_m2 += (edge.is_straight ? parameters.two_lines.model_variance_m2
+                                          : parameters.bends.ragged_variance_m2) *
                         Eigen::Matrix2d::Identity();
   const Eigen::Vector2d outward =
       first ? Eigen::Vector2d(-found.line.direction) : found.line.direction;
   edge.orientation_rad = std::atan2(outward.y(), outward.x());
   edge.orientation_variance_rad2 =
       found.line.angleVariance(found.noise_m2) +
-      (edge.is_straight ? kStraightOrientationModelVarianceRad2 : kOrientationModelVarianceRad2);
+      (edge.is_straight ? parameters.two_lines.orientation_model_variance_rad2
+                        : parameters.bends.ragged_orientation_variance_rad2);
   return edge;
 }
 
 std::vector<Edge> findCorners(const Contour& contour, const EdgeDetectorParameters& parameters) {
-  const FeatureDetectorParameters legs = legParameters(parameters);
+  const CornerModel model = parameters.cornerModel();
   std::vector<Edge> corners;
-  for (const std::size_t split : findSplits(contour)) {
-    if (gainAt(contour, split) < kCornerGain * square(parameters.laser_range_sigma) ||
-        !isPromising(contour, split, legs)) {
+  for (const std::size_t split : findSplits(contour, model.tuning)) {
+    if (gainAt(contour, split, model.tuning.split_window_m) <
+            parameters.bends.corner_gain * square(parameters.laser_range_sigma) ||
+        !isPromising(contour, split, model)) {
       continue;
     }
-    const auto corner = fitCorner(contour, split, legs, Contested::kNever);
-    if (!corner || corner->cornerness < legs.corner_threshold ||
-        corner->significance < parameters.significance_min ||
-        !isCertain(corner->covariance_m2, parameters)) {
+    const auto corner = fitCorner(contour, split, model, Contested::kNever);
+    if (!corner || corner->cornerness < model.corner_threshold ||
+        corner->significance < model.significance_min) {
       continue;
     }
-    corners.push_back(toEdge(*corner));
+    const Edge edge = toEdge(*corner);
+    if (isCertain(edge, parameters)) corners.push_back(edge);
   }
   return corners;
 }

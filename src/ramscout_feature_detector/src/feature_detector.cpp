@@ -16,13 +16,16 @@ namespace {
 /// The image function is evaluated only at admissible crossings of two lines, and from the finest
 /// level on only until the matter is settled.
 std::vector<Corner> cornersOf(const Contour& contour, const FeatureDetectorParameters& parameters) {
+  const CornerModel model = parameters.cornerModel();
   std::vector<Eigen::Vector2d> polyline_m;
   std::vector<Corner> corners;
-  for (const std::size_t split : findSplits(contour)) {
-    if (!isPromising(contour, split, parameters)) continue;
-    const auto lines = fitCorner(contour, split, parameters);
+  for (const std::size_t split : findSplits(contour, model.tuning)) {
+    if (!isPromising(contour, split, model)) continue;
+    const auto lines = fitCorner(contour, split, model);
     if (!lines || !isAdmissible(*lines, contour, parameters)) continue;
-    if (polyline_m.empty()) polyline_m = extrapolate(contour, parameters.extrapolation_distance);
+    if (polyline_m.empty())
+      polyline_m =
+          extrapolate(contour, parameters.extrapolation_distance, parameters.tangent_length_m);
     const auto peaks_on = [&](int level) {
       return findResponsePeaks(polyline_m, lines->position_m, level, parameters);
     };

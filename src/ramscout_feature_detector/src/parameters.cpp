@@ -1,100 +1,127 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_feature_detector/parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <stdexcept>
-
-#include "require_within.hpp"
 
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr double kWarnRangeM = 10.0;
-constexpr double kWarnCoarsestPpm = 10.0;
-
-void warnOutside(
-    const char* name, double value, double low, double high, std::vector<std::string>& warnings) {
-  if (low <= value && value <= high) return;
-  warnings.push_back(std::string(name) + " = " + std::to_string(value) +
-                     " is outside the range that is known to work, " + std::to_string(low) +
-                     " to " + std::to_string(high));
-}
+/// Farthest that corners are usually seen with legs long enough to fit.
+constexpr double kUsualRangeM = 10.0;
+/// A pixel of 0.1 m is the shortest leg: coarser ones show corners where there are none.
+constexpr double kCoarsestPpm = 10.0;
 
 }  // namespace
 
+const ram_parameters::ParameterTable<PictureParameters>& PictureParameters::table() {
+  using namespace ram_parameters;
+  using P = PictureParameters;
+  static const auto table = ParameterTable<P>()
+                                .add("reach_m", &P::reach_m, "m", positive(),
+                                     "Half of the side of the surroundings shown.")
+                                .add("max_pixels", &P::max_pixels, "px", within(10, 10000),
+                                     "Largest side of each of the three panels.")
+                                .add("cross_pixels", &P::cross_pixels, "px", within(0, 1000),
+                                     "Length of the arms of the cross at a corner.")
+                                .add("brightest_response", &P::brightest_response, "", positive(),
+                                     "Corner response that is shown white.");
+  return table;
+}
+
+const ram_parameters::ParameterTable<FeatureDetectorParameters>&
+FeatureDetectorParameters::table() {
+  using namespace ram_parameters;
+  using P = FeatureDetectorParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .heading("Image")
+          .add("ppm", &P::ppm, "1/m", within(10.0, 1000.0), "Pixels per metre of the finest level.")
+          .advised(within(50.0, 200.0))
+          .add("kernel_radius", &P::kernel_radius, "px", within(1, 500),
+               "Where the blur of a reading is cut off.")
+          .advised(within(15, 100))
+          .add("scale_levels", &P::scale_levels, "", within(1, 5),
+               "Levels of the pyramid, each half as fine.")
+          .advised(within(1, 3))
+          .add("laser_range_sigma", &P::laser_range_sigma, "m", within(1e-4, 1.0),
+               "Standard deviation of a range reading.")
+          .add("laser_angular_sigma", &P::laser_angular_sigma, "rad", within(1e-6, 0.1),
+               "Standard deviation of a beam's direction.")
+          .heading("Surfaces and their ends")
+          .add("distance_threshold", &P::distance_threshold, "m", within(0.01, 10.0),
+               "Neighbours farther apart belong to different surfaces (more on grazing walls).")
+          .advised(within(0.3, 1.0))
+          .add("occlude_limit", &P::occlude_limit, "m", within(0.01, 10.0),
+               "No feature is accepted closer to the end of a surface.")
+          .advised(within(0.3, 10.0))
+          .add("extrapolation_distance", &P::extrapolation_distance, "m", within(0.01, 20.0),
+               "Surfaces are prolonged by this, so that their ends do not appear as corners.")
+          .rule(&P::extrapolation_distance, "> occlude_limit",
+                [](const P& p) { return p.extrapolation_distance > p.occlude_limit; })
+          .advised(within(1.0, 20.0))
+          .heading("Which corners count")
+          .add("corner_threshold", &P::corner_threshold, "", within(0.005, 0.5),
+               "Least smaller eigenvalue / trace of the structure tensor: 0.08 is an opening of "
+               "147 deg, 0.5 of 90 deg.")
+          .add("significance_min", &P::significance_min, "", within(0.0, 1e6),
+               "Least chi square (1 dof) of the bend against the noise.")
+          .add("position_sigma_limit", &P::position_sigma_limit, "m", within(1e-4, 10.0),
+               "Largest standard deviation of the position in any direction.")
+          .add("covariance_limit", &P::covariance_limit, "m^2", within(1e-8, 1e3),
+               "Largest entry of the position's covariance.")
+          .add("feature_distance", &P::feature_distance, "m", within(0.01, 10.0),
+               "Of features closer than this the strongest is kept.")
+          .advised(within(0.15, 10.0))
+          .add("max_features", &P::max_features, "", within(1, 1000), "Features per surface.")
+          .advised(within(5, 1000))
+          .add("relative_threshold", &P::relative_threshold,
+               "Whether feature_threshold is demanded, too (a strong corner then hides weaker "
+               "ones).")
+          .add("feature_threshold", &P::feature_threshold, "", within(0.0, 1.0),
+               "Least response as a fraction of the best on the same surface.")
+          .advised(within(0.7, 0.95), [](const P& p) { return p.relative_threshold; })
+          .heading("Frames")
+          .include(&P::node, DetectorNodeParameters::table())
+          .expert("Tuning")
+          .add("tangent_length_m", &P::tangent_length_m, "m", positive(),
+               "Length of the end of a surface whose tangent prolongs it.")
+          .add("max_peak_offset_px", &P::max_peak_offset_px, "px", positive(),
+               "Farthest that the point of a response may be from the crossing of the lines that "
+               "it confirms.")
+          .add("single_level_significance", &P::single_level_significance, "", atLeast(0.0),
+               "A corner as significant as this needs one level of the pyramid, others two "
+               "consecutive ones.")
+          .section("segmentation", &P::segmentation, SegmentationParameters::table())
+          .section("two_lines", &P::two_lines, TwoLineParameters::table())
+          .section("picture", &P::picture, PictureParameters::table());
+  return table;
+}
+
 void FeatureDetectorParameters::validate() const {
-  requireWithin("ppm", ppm, 10.0, 1000.0);
-  requireWithin("kernel_radius", kernel_radius, 1, 500);
-  requireWithin("scale_levels", scale_levels, 1, 5);
-  requireWithin("laser_range_sigma", laser_range_sigma, 1e-4, 1.0);
-  requireWithin("laser_angular_sigma", laser_angular_sigma, 1e-6, 0.1);
-  requireWithin("distance_threshold", distance_threshold, 0.01, 10.0);
-  requireWithin("occlude_limit", occlude_limit, 0.01, 10.0);
-  requireWithin("extrapolation_distance", extrapolation_distance, 0.01, 20.0);
-  requireWithin("max_features", max_features, 1, 1000);
-  requireWithin("feature_threshold", feature_threshold, 0.0, 1.0);
-  requireWithin("feature_distance", feature_distance, 0.01, 10.0);
-  requireWithin("covariance_limit", covariance_limit, 1e-8, 1e3);
-  requireWithin("corner_threshold", corner_threshold, 0.005, 0.5);
-  requireWithin("significance_min", significance_min, 0.0, 1e6);
-  requireWithin("position_sigma_limit", position_sigma_limit, 1e-4, 10.0);
-  if (!(extrapolation_distance > occlude_limit)) {
-    throw std::invalid_argument(
-        "extrapolation_distance (" + std::to_string(extrapolation_distance) +
-        ") must be greater than occlude_limit (" + std::to_string(occlude_limit) + ")");
-  }
-  requireFrame("base_frame", base_frame);
+  table().check(*this);
 }
 
 std::vector<std::string> FeatureDetectorParameters::warnings() const {
-  std::vector<std::string> warnings;
-  warnOutside("ppm", ppm, 50.0, 200.0, warnings);
-  warnOutside("kernel_radius", kernel_radius, 15, 100, warnings);
-  warnOutside("scale_levels", scale_levels, 1, 3, warnings);
-  warnOutside("distance_threshold", distance_threshold, 0.3, 1.0, warnings);
-  warnOutside("occlude_limit", occlude_limit, 0.3, 10.0, warnings);
-  warnOutside("extrapolation_distance", extrapolation_distance, 1.0, 20.0, warnings);
-  warnOutside("max_features", max_features, 5, 1000, warnings);
-  if (relative_threshold) warnOutside("feature_threshold", feature_threshold, 0.7, 0.95, warnings);
-  warnOutside("feature_distance", feature_distance, 0.15, 10.0, warnings);
+  std::vector<std::string> warnings = table().warnings(*this);
   const double needed_px =
-      std::ceil(3.0 * ppm * std::max(laser_range_sigma, kWarnRangeM * laser_angular_sigma));
+      std::ceil(3.0 * ppm * std::max(laser_range_sigma, kUsualRangeM * laser_angular_sigma));
   if (kernel_radius < needed_px) {
     warnings.push_back("kernel_radius = " + std::to_string(kernel_radius) +
                        " cuts the kernel off before three standard deviations at 10 m; it takes " +
                        std::to_string(static_cast<int>(needed_px)));
   }
   const double coarsest_ppm = std::ldexp(ppm, 1 - scale_levels);
-  if (coarsest_ppm < kWarnCoarsestPpm) {
+  if (coarsest_ppm < kCoarsestPpm) {
     warnings.push_back("the coarsest of scale_levels = " + std::to_string(scale_levels) +
-                       " levels has only " + std::to_string(coarsest_ppm) +
+                       " levels has only " + ram_parameters::toPlainText(coarsest_ppm) +
                        " pixels per metre: expect features where there are none");
   }
   return warnings;
 }
 
 FeatureDetectorParameters readFeatureDetectorParameters(ram_parameters::ParameterReader& reader) {
-  FeatureDetectorParameters parameters;
-  reader.read("ppm", parameters.ppm);
-  reader.read("kernel_radius", parameters.kernel_radius);
-  reader.read("scale_levels", parameters.scale_levels);
-  reader.read("laser_range_sigma", parameters.laser_range_sigma);
-  reader.read("laser_angular_sigma", parameters.laser_angular_sigma);
-  reader.read("distance_threshold", parameters.distance_threshold);
-  reader.read("occlude_limit", parameters.occlude_limit);
-  reader.read("extrapolation_distance", parameters.extrapolation_distance);
-  reader.read("max_features", parameters.max_features);
-  reader.read("relative_threshold", parameters.relative_threshold);
-  reader.read("feature_threshold", parameters.feature_threshold);
-  reader.read("feature_distance", parameters.feature_distance);
-  reader.read("covariance_limit", parameters.covariance_limit);
-  reader.read("corner_threshold", parameters.corner_threshold);
-  reader.read("significance_min", parameters.significance_min);
-  reader.read("position_sigma_limit", parameters.position_sigma_limit);
-  reader.read("base_frame", parameters.base_frame);
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
+  return FeatureDetectorParameters::table().readAll(reader);
 }
 
 }  // namespace ramscout_feature_detector

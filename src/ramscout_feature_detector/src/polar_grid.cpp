@@ -15,12 +15,6 @@ namespace {
 
 constexpr const char* kPrefix = "pg1:8x24:4.0:";
 
-constexpr int kLeastCommonCells = PolarGrid::kCells / 5;
-constexpr double kPriorCells = 20.0;
-constexpr double kPriorDifference = 0.12;
-constexpr double kOneSidedWeight = 0.1;
-constexpr double kTurnWeight = 0.01;
-
 int countBits(std::uint64_t bits) {
   return static_cast<int>(std::bitset<64>(bits).count());
 }
@@ -30,11 +24,14 @@ PolarSampling makeSampling() {
   const double ring_m = (PolarGrid::kOuterRadiusM - PolarGrid::kInnerRadiusM) / PolarGrid::kRings;
   std::vector<double> radii_m;
   for (int ring = 0; ring < PolarGrid::kRings; ++ring) {
-    for (int i = 0; i < 2; ++i) {
-      radii_m.push_back(PolarGrid::kInnerRadiusM + ring_m * (ring + (i + 0.5) / 2));
+    for (int i = 0; i < PolarSampling::kSamplesPerSide; ++i) {
+      radii_m.push_back(PolarGrid::kInnerRadiusM +
+                        ring_m * (ring + (i + 0.5) / PolarSampling::kSamplesPerSide));
     }
   }
-  return {radii_m, std::vector<double>(PolarGrid::kRings, 0.5 * ring_m / 2), PolarGrid::kSectors};
+  return {radii_m,
+          std::vector<double>(PolarGrid::kRings, 0.5 * ring_m / PolarSampling::kSamplesPerSide),
+          PolarGrid::kSectors};
 }
 
 }  // namespace
@@ -82,7 +79,8 @@ ComparableGrid::Planes ComparableGrid::planesOf(const PolarGrid& grid, int turn)
   return planes;
 }
 
-std::optional<double> ComparableGrid::distance(const ComparableGrid& other) const {
+std::optional<double> ComparableGrid::distance(const ComparableGrid& other,
+                                               const GridComparison& weights) const {
   const Planes& a = turned_[1];
   std::optional<double> best;
   for (int turn = -1; turn <= 1; ++turn) {
@@ -98,10 +96,11 @@ std::optional<double> ComparableGrid::distance(const ComparableGrid& other) cons
       opposite += countBits((a.free[i] & b.occupied[i]) | (a.occupied[i] & b.free[i]));
       half_apart += countBits((a.mixed[i] & clear_b) | (clear_a & b.mixed[i]));
     }
-    if (common < kLeastCommonCells) continue;
+    if (common < weights.least_common_cells) continue;
     const double difference =
-        (opposite + 0.25 * half_apart + kPriorCells * kPriorDifference) / (common + kPriorCells) +
-        kOneSidedWeight * one_sided / PolarGrid::kCells + kTurnWeight * std::abs(turn);
+        (opposite + 0.25 * half_apart + weights.prior_cells * weights.prior_difference) /
+            (common + weights.prior_cells) +
+        weights.one_sided * one_sided / PolarGrid::kCells + weights.per_sector * std::abs(turn);
     if (!best || difference < *best) best = difference;
   }
   return best;

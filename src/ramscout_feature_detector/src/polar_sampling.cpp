@@ -9,12 +9,6 @@
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr int kSamplesPerSide = 2;
-constexpr int kSamplesPerCell = kSamplesPerSide * kSamplesPerSide;
-constexpr double kSurfaceM = 0.08;
-constexpr double kFreeBelow = 0.2;
-constexpr double kMixedBelow = 0.6;
-
 /// atan2 within 2e-8 (Abramowitz & Stegun, Handbook of Mathematical Functions, 4.4.49), in a form
 /// that compilers vectorise.
 inline double bearingOf(double x, double y) {
@@ -44,18 +38,22 @@ struct Polar {
 };
 
 RAMSCOUT_WIDE_REGISTERS
-void toPolar(std::size_t count,
-             const double* xs_m,
-             const double* ys_m,
+void toPolar(const std::vector<double>& x_of_samples_m,
+             const std::vector<double>& y_of_samples_m,
              const ram_slam::Pose2& laser_from_grid,
-             double angle_min_rad,
-             double angle_increment_rad,
-             double* range_m,
-             double* beam) {
+             const ram_slam::LaserScan& scan,
+             Polar& polar) {
   const double c = std::cos(laser_from_grid.yaw_rad);
   const double s = std::sin(laser_from_grid.yaw_rad);
   const double x_m = laser_from_grid.x_m;
   const double y_m = laser_from_grid.y_m;
+  const double angle_min_rad = scan.angle_min_rad;
+  const double angle_increment_rad = scan.angle_increment_rad;
+  const std::size_t count = x_of_samples_m.size();
+  const double* xs_m = x_of_samples_m.data();
+  const double* ys_m = y_of_samples_m.data();
+  double* range_m = polar.range_m.data();
+  double* beam = polar.beam.data();
   for (std::size_t i = 0; i < count; ++i) {
     const double x = x_m + c * xs_m[i] - s * ys_m[i];
     const double y = y_m + s * xs_m[i] + c * ys_m[i];
@@ -64,14 +62,15 @@ void toPolar(std::size_t count,
   }
 }
 
-/// What one scan says about one place.
+/// What one scan shows of one place.
 enum class Vote { kNone, kFree, kOccupied };
 
 /// \param beams_per_turn  also if the scan has fewer
+/// \param surface_m  how near to a reading a place is on its surface
 Vote vote(double range_m,
           double offset,
           double beams_per_turn,
-          double half_pitch_m,
+          double surface_m,
           const ram_slam::LaserScan& scan) {
   const auto count = static_cast<double>(scan.ranges_m.size());
   offset += 0.5;
@@ -84,7 +83,7 @@ Vote vote(double range_m,
   switch (scan.at(index)) {
     case ram_slam::Return::kHit: {
       const double beyond_m = range_m - scan.ranges_m[index];
-      if (std::abs(beyond_m) < std::max(kSurfaceM, half_pitch_m)) return Vote::kOccupied;
+      if (std::abs(beyond_m) < surface_m) return Vote::kOccupied;
       return beyond_m < 0.0 ? Vote::kFree : Vote::kNone;
     }
     case ram_slam::Return::kNothing:
@@ -94,19 +93,20 @@ Vote vote(double range_m,
   }
 }
 
-PolarGrid::Cell cellOf(int free_votes, int occupied_votes) {
+PolarGrid::Cell cellOf(int free_votes, int occupied_votes, const CellRule& rule) {
   if (free_votes + occupied_votes == 0) return PolarGrid::kUnknown;
   const double occupied = static_cast<double>(occupied_votes) / (free_votes + occupied_votes);
-  if (occupied < kFreeBelow) return PolarGrid::kFree;
-  return occupied < kMixedBelow ? PolarGrid::kMixed : PolarGrid::kOccupied;
+  if (occupied < rule.free_below) return PolarGrid::kFree;
+  return occupied < rule.mixed_below ? PolarGrid::kMixed : PolarGrid::kOccupied;
 }
 
 }  // namespace
 
 PolarSampling::PolarSampling(const std::vector<double>& radii_m,
                              const std::vector<double>& half_pitches_m,
-                             int sectors)
-    : sectors_(sectors), half_pitches_m_(half_pitches_m) {
+                             int sectors,
+                             const CellRule& rule)
+    : sectors_(sectors), half_pitches_m_(half_pitches_m), rule_(rule) {
   for (std::size_t ring = 0; ring < half_pitches_m.size(); ++ring) {
     for (int sector = 0; sector < sectors; ++sector) {
       for (int i = 0; i < kSamplesPerCell; ++i) {
@@ -124,21 +124,21 @@ void PolarSampling::sample(const ram_slam::Pose2& laser_from_grid,
                            const ram_slam::LaserScan& scan,
                            PolarGrid::Cell* cells) const {
   Polar polar{std::vector<double>(x_m_.size()), std::vector<double>(x_m_.size())};
-  toPolar(x_m_.size(), x_m_.data(), y_m_.data(), laser_from_grid, scan.angle_min_rad,
-          scan.angle_increment_rad, polar.range_m.data(), polar.beam.data());
+  toPolar(x_m_, y_m_, laser_from_grid, scan, polar);
   const double beams_per_turn = std::abs(2.0 * M_PI / scan.angle_increment_rad);
   std::size_t next = 0;
   for (const double half_pitch_m : half_pitches_m_) {
+    const double surface_m = std::max(rule_.surface_m, half_pitch_m);
     for (int sector = 0; sector < sectors_; ++sector) {
       int free_votes = 0;
       int occupied_votes = 0;
       for (int i = 0; i < kSamplesPerCell; ++i, ++next) {
-        const Vote said =
-            vote(polar.range_m[next], polar.beam[next], beams_per_turn, half_pitch_m, scan);
-        free_votes += said == Vote::kFree ? 1 : 0;
-        occupied_votes += said == Vote::kOccupied ? 1 : 0;
+        const Vote seen =
+            vote(polar.range_m[next], polar.beam[next], beams_per_turn, surface_m, scan);
+        free_votes += seen == Vote::kFree ? 1 : 0;
+        occupied_votes += seen == Vote::kOccupied ? 1 : 0;
       }
-      *cells++ = cellOf(free_votes, occupied_votes);
+      *cells++ = cellOf(free_votes, occupied_votes, rule_);
     }
   }
 }

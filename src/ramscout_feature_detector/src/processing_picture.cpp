@@ -10,14 +10,9 @@
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr double kReachM = 10.0;
-constexpr int kMostPixels = 500;
-constexpr int kCrossPixels = 4;
-/// A response as high as this is shown white.
-constexpr float kBrightestResponse = 0.02F;
-
 using Colour = std::array<std::uint8_t, 3>;
-constexpr Colour kExcluded = {90, 90, 90};  ///< and the borders of panels
+/// Dark grey, also of the borders of panels, and red: as the documents describe the picture.
+constexpr Colour kExcluded = {90, 90, 90};
 constexpr Colour kCorner = {255, 0, 0};
 
 /// Values of one level of the pyramid around the laser.
@@ -73,6 +68,36 @@ void drawPanel(const Panel& panel, float brightest, int first_column, Picture& p
   }
 }
 
+/// Draws where nothing is accepted, and the corners, into the third panel.
+void markResult(const FeatureDetector::Analysis& analysis,
+                const FeatureDetectorParameters& parameters,
+                double ppm,
+                int half_pixels,
+                Picture& picture) {
+  const auto mark = [&](double x, double y, const Colour& colour) {
+    if (std::abs(x) >= half_pixels || std::abs(y) >= half_pixels) return;
+    picture.set(half_pixels - 1 - static_cast<int>(std::floor(y)),
+                5 * half_pixels + static_cast<int>(std::floor(x)), colour);
+  };
+  for (const Contour& contour : analysis.contours) {
+    if (contour.closed()) continue;
+    for (const Eigen::Vector2d& end_m : {contour.front(), contour.back()}) {
+      const double radius = parameters.occlude_limit * ppm;
+      for (double angle_rad = 0.0; angle_rad < 2.0 * M_PI; angle_rad += 0.5 / radius) {
+        mark(end_m.x() * ppm + radius * std::cos(angle_rad),
+             end_m.y() * ppm + radius * std::sin(angle_rad), kExcluded);
+      }
+    }
+  }
+  const int arm = parameters.picture.cross_pixels;
+  for (const Corner& corner : analysis.corners) {
+    for (int i = -arm; i <= arm; ++i) {
+      mark(corner.lines.position_m.x() * ppm + i, corner.lines.position_m.y() * ppm, kCorner);
+      mark(corner.lines.position_m.x() * ppm, corner.lines.position_m.y() * ppm + i, kCorner);
+    }
+  }
+}
+
 }  // namespace
 
 void Picture::set(int row, int column, const Colour& colour) {
@@ -85,40 +110,21 @@ Picture pictureOfProcessing(const FeatureDetector& detector, const ram_slam::Las
   const FeatureDetector::Analysis analysis = detector.analyse(scan);
   const int level = parameters.scale_levels - 1;
   const double ppm = std::ldexp(parameters.ppm, -level);
-  const int half = std::min(static_cast<int>(kReachM * ppm), kMostPixels / 2);
+  const int half = std::min(static_cast<int>(parameters.picture.reach_m * ppm),
+                            parameters.picture.max_pixels / 2);
   const int side = 2 * half;
   Panel image(half);
   Panel response(half);
   for (const Contour& contour : analysis.contours) {
-    addContour(extrapolate(contour, parameters.extrapolation_distance), level, parameters, image,
-               response);
+    addContour(extrapolate(contour, parameters.extrapolation_distance, parameters.tangent_length_m),
+               level, parameters, image, response);
   }
 
   Picture picture{3 * side, side, std::vector<std::uint8_t>(9 * side * side, 0)};
   drawPanel(image, 1.0F, 0, picture);
-  drawPanel(response, kBrightestResponse, side, picture);
+  drawPanel(response, static_cast<float>(parameters.picture.brightest_response), side, picture);
   drawPanel(image, 1.0F, 2 * side, picture);
-  const auto mark = [&](double x, double y, const Colour& colour) {
-    if (std::abs(x) >= half || std::abs(y) >= half) return;
-    picture.set(half - 1 - static_cast<int>(std::floor(y)),
-                2 * side + half + static_cast<int>(std::floor(x)), colour);
-  };
-  for (const Contour& contour : analysis.contours) {
-    if (contour.closed()) continue;
-    for (const Eigen::Vector2d& end_m : {contour.front(), contour.back()}) {
-      const double radius = parameters.occlude_limit * ppm;
-      for (double angle_rad = 0.0; angle_rad < 2.0 * M_PI; angle_rad += 0.5 / radius) {
-        mark(end_m.x() * ppm + radius * std::cos(angle_rad),
-             end_m.y() * ppm + radius * std::sin(angle_rad), kExcluded);
-      }
-    }
-  }
-  for (const Corner& corner : analysis.corners) {
-    for (int i = -kCrossPixels; i <= kCrossPixels; ++i) {
-      mark(corner.lines.position_m.x() * ppm + i, corner.lines.position_m.y() * ppm, kCorner);
-      mark(corner.lines.position_m.x() * ppm, corner.lines.position_m.y() * ppm + i, kCorner);
-    }
-  }
+  markResult(analysis, parameters, ppm, half, picture);
   return picture;
 }
 

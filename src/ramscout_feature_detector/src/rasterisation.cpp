@@ -9,11 +9,12 @@
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr double kTangentLengthM = 0.2;
-constexpr std::size_t kSmallestTangentPoints = 3;
-
-constexpr float kKernelReach = 3.5F;    // Mahalanobis distance where the kernel ends
-constexpr float kSmallestSigma = 0.7F;  // pixels; narrower kernels alias
+/// Mahalanobis distance where the kernel ends: at 0.2 % of its height, less than a step of 8 bits.
+constexpr float kKernelReach = 3.5F;
+/// [pixels] A narrower Gaussian has more than 10 % of its amplitude beyond the pixels' Nyquist
+/// frequency.
+constexpr float kSmallestSigma = 0.7F;
+/// 256 bits of single precision.
 constexpr int kRegisterPixels = 8;
 /// Runs of points closer than this [pixels] to the one drawn before are left out: a gap that is
 /// less than 2 % darker than the line would be.
@@ -150,13 +151,15 @@ void toIntensities(ImagePatch& squared) {
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> extrapolate(const Contour& contour, double distance_m) {
+std::vector<Eigen::Vector2d> extrapolate(const Contour& contour,
+                                         double distance_m,
+                                         double tangent_length_m) {
   const std::size_t count = contour.size();
   const std::size_t front_last =
-      std::min(count - 1, std::max(contour.indexAt(kTangentLengthM), kSmallestTangentPoints - 1));
+      std::min(count - 1, std::max(contour.indexAt(tangent_length_m), LineFit::kFewestPoints - 1));
   const std::size_t back_first =
-      std::min(contour.indexAt(contour.length_m() - kTangentLengthM),
-               count > kSmallestTangentPoints ? count - kSmallestTangentPoints : 0);
+      std::min(contour.indexAt(contour.length_m() - tangent_length_m),
+               count > LineFit::kFewestPoints ? count - LineFit::kFewestPoints : 0);
   std::vector<Eigen::Vector2d> polyline_m;
   polyline_m.reserve(count + 2);
   polyline_m.push_back(contour.front() - distance_m * contour.fit(0, front_last).direction);

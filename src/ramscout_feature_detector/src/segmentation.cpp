@@ -7,11 +7,8 @@
 namespace ramscout_feature_detector {
 namespace {
 
-constexpr std::size_t kSmallestPointCount = 5;
-constexpr std::size_t kLongestBridgedBeams = 2;
-constexpr double kMostGrazingRad = 10.0 * M_PI / 180.0;
-constexpr double kLoneReadingM = 0.3;
-constexpr double kLargestRangeM = 1000.0;
+/// Two legs that have one point in common.
+constexpr std::size_t kFewestCornerPoints = 2 * LineFit::kFewestPoints - 1;
 
 struct Hit {
   std::size_t beam;
@@ -22,26 +19,27 @@ struct Hit {
 
 /// Readings far in range from both neighbours lie on no surface: an edge hit by half a beam, or
 /// noise.
-bool isLone(const ram_slam::LaserScan& scan, std::size_t beam) {
+bool isLone(const ram_slam::LaserScan& scan, std::size_t beam, double lone_reading_m) {
   if (beam == 0 || beam + 1 == scan.ranges_m.size()) return false;
   if (scan.at(beam - 1) != ram_slam::Return::kHit || scan.at(beam + 1) != ram_slam::Return::kHit) {
     return false;
   }
   const float range_m = scan.ranges_m[beam];
-  return std::abs(range_m - scan.ranges_m[beam - 1]) > kLoneReadingM &&
-         std::abs(range_m - scan.ranges_m[beam + 1]) > kLoneReadingM;
+  return std::abs(range_m - scan.ranges_m[beam - 1]) > lone_reading_m &&
+         std::abs(range_m - scan.ranges_m[beam + 1]) > lone_reading_m;
 }
 
-std::vector<Hit> surfaceHits(const ram_slam::LaserScan& scan) {
+std::vector<Hit> surfaceHits(const ram_slam::LaserScan& scan,
+                             const SegmentationParameters& parameters) {
   std::vector<Hit> hits;
   hits.reserve(scan.ranges_m.size());
   bool connected = false;
-  std::size_t bridged = 0;
+  int bridged = 0;
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-    if (scan.at(beam) != ram_slam::Return::kHit || scan.ranges_m[beam] > kLargestRangeM) {
+    if (scan.at(beam) != ram_slam::Return::kHit || scan.ranges_m[beam] > parameters.max_range_m) {
       connected = false;
-    } else if (isLone(scan, beam)) {
-      connected = connected && ++bridged <= kLongestBridgedBeams;
+    } else if (isLone(scan, beam, parameters.lone_reading_m)) {
+      connected = connected && ++bridged <= parameters.max_bridged_beams;
     } else {
       hits.push_back({beam, scan.ranges_m[beam], scan.end_m(beam), connected});
       connected = true;
@@ -55,8 +53,9 @@ std::vector<Hit> surfaceHits(const ram_slam::LaserScan& scan) {
 double largestGap(const Hit& before,
                   double angle_rad,
                   double distance_threshold_m,
-                  double range_sigma_m) {
-  const double grazing_rad = std::max(kMostGrazingRad, 2.0 * angle_rad);
+                  double range_sigma_m,
+                  double least_grazing_rad) {
+  const double grazing_rad = std::max(least_grazing_rad, 2.0 * angle_rad);
   const double adaptive_m =
       before.range_m * std::sin(angle_rad) / std::sin(grazing_rad - angle_rad) +
       3.0 * range_sigma_m;
@@ -91,13 +90,15 @@ bool isFullTurn(const ram_slam::LaserScan& scan) {
 
 std::vector<Surface> splitIntoSurfaces(const ram_slam::LaserScan& scan,
                                        double distance_threshold_m,
-                                       double range_sigma_m) {
-  const std::vector<Hit> hits = surfaceHits(scan);
+                                       double range_sigma_m,
+                                       const SegmentationParameters& parameters) {
+  const std::vector<Hit> hits = surfaceHits(scan, parameters);
   if (hits.empty()) return {};
   const double increment_rad = std::abs(scan.angle_increment_rad);
   const auto onOneSurface = [&](const Hit& before, const Hit& after, double angle_rad) {
     return (after.point_m - before.point_m).norm() <=
-           largestGap(before, angle_rad, distance_threshold_m, range_sigma_m);
+           largestGap(before, angle_rad, distance_threshold_m, range_sigma_m,
+                      parameters.grazing_angle_rad);
   };
   std::vector<Surface> surfaces;
   for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -121,18 +122,20 @@ std::vector<Surface> splitIntoSurfaces(const ram_slam::LaserScan& scan,
   return surfaces;
 }
 
-Contour toContour(Surface surface, double overlap_m) {
+Contour toContour(Surface surface, double overlap_m, const LineParameters& parameters) {
   if (surface.closed) overlapSeam(surface.points_m, overlap_m);
-  return Contour(std::move(surface.points_m), surface.closed);
+  return Contour(std::move(surface.points_m), surface.closed, parameters);
 }
 
 std::vector<Contour> splitIntoContours(const ram_slam::LaserScan& scan,
                                        const FeatureDetectorParameters& parameters) {
   std::vector<Contour> contours;
   for (Surface& surface :
-       splitIntoSurfaces(scan, parameters.distance_threshold, parameters.laser_range_sigma)) {
-    if (surface.points_m.size() < kSmallestPointCount) continue;
-    Contour contour = toContour(std::move(surface), 2.0 * parameters.extrapolation_distance);
+       splitIntoSurfaces(scan, parameters.distance_threshold, parameters.laser_range_sigma,
+                         parameters.segmentation)) {
+    if (surface.points_m.size() < kFewestCornerPoints) continue;
+    Contour contour = toContour(std::move(surface), 2.0 * parameters.extrapolation_distance,
+                                parameters.two_lines.line);
     if (contour.length_m() >= 2.0 * parameters.occlude_limit) {
       contours.push_back(std::move(contour));
     }

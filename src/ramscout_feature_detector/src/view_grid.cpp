@@ -15,28 +15,15 @@ namespace ramscout_feature_detector {
 namespace {
 
 constexpr const char* kPrefix = "pg2:8x48:8.0:";
-constexpr double kOuterRadiusM = 8.0;
-/// The bounds of the rings plus this are a geometric series.
-constexpr double kOffsetM = 0.35;
-constexpr double kInnerRadiusM = 0.05;
-constexpr std::size_t kMostRangeDigits = 6;
-
-constexpr int kLargestTurn = ViewGrid::kSectors / 6;
-constexpr double kOutermostWeight = 2.0;
-constexpr double kAllWeights =
-    0.5 * (1.0 + kOutermostWeight) * ViewGrid::kRings * ViewGrid::kSectors;
-constexpr double kLeastCommonShare = 0.2;
-constexpr double kPriorCells = 60.0;
-constexpr double kPriorDifference = 0.12;
-constexpr double kOneSidedWeight = 0.1;
-constexpr double kApartWeightPerM = 0.01;
-constexpr double kFarthestApartM = 4.0;
-
+/// The bounds of the rings plus kRingOffsetM are a geometric series.
 PolarSampling makeSampling() {
   std::vector<double> radii_m, half_pitches_m;
   const auto bound_m = [](int ring) {
-    const double ratio = (kOuterRadiusM + kOffsetM) / (kInnerRadiusM + kOffsetM);
-    return (kInnerRadiusM + kOffsetM) * std::pow(ratio, 1.0 * ring / ViewGrid::kRings) - kOffsetM;
+    const double ratio = (ViewGrid::kOuterRadiusM + ViewGrid::kRingOffsetM) /
+                         (ViewGrid::kInnerRadiusM + ViewGrid::kRingOffsetM);
+    return (ViewGrid::kInnerRadiusM + ViewGrid::kRingOffsetM) *
+               std::pow(ratio, 1.0 * ring / ViewGrid::kRings) -
+           ViewGrid::kRingOffsetM;
   };
   for (int ring = 0; ring < ViewGrid::kRings; ++ring) {
     const double width_m = bound_m(ring + 1) - bound_m(ring);
@@ -47,19 +34,19 @@ PolarSampling makeSampling() {
   return {radii_m, half_pitches_m, ViewGrid::kSectors};
 }
 
-double weightOf(int ring) {
-  return 1.0 + (kOutermostWeight - 1.0) * ring / (ViewGrid::kRings - 1);
+double weightOf(int ring, double outermost) {
+  return 1.0 + (outermost - 1.0) * ring / (ViewGrid::kRings - 1);
 }
 
 int countBits(std::uint64_t bits) {
   return static_cast<int>(std::bitset<64>(bits).count());
 }
 
-/// The sectors of a ring turned by -kLargestTurn to kLargestTurn.
+/// The sectors of a ring turned by at most all of them, to either side.
 std::uint64_t turned(std::uint64_t ring, int sectors) {
-  constexpr std::uint64_t kAll = (std::uint64_t{1} << ViewGrid::kSectors) - 1;
+  const std::uint64_t all = (std::uint64_t{1} << ViewGrid::kSectors) - 1;
   const int left = (sectors + ViewGrid::kSectors) % ViewGrid::kSectors;
-  return (ring << left | ring >> (ViewGrid::kSectors - left)) & kAll;
+  return (ring << left | ring >> (ViewGrid::kSectors - left)) & all;
 }
 
 }  // namespace
@@ -84,17 +71,15 @@ std::optional<ViewGrid> ViewGrid::parse(const std::string& text) {
   static const std::string prefix = kPrefix;
   if (text.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
   const std::size_t colon = text.find(':', prefix.size());
-  if (colon == std::string::npos || colon == prefix.size() ||
-      colon > prefix.size() + kMostRangeDigits) {
-    return std::nullopt;
-  }
+  if (colon == std::string::npos || colon == prefix.size()) return std::nullopt;
   ViewGrid grid;
   for (std::size_t i = prefix.size(); i < colon; ++i) {
     if (text[i] < '0' || text[i] > '9') return std::nullopt;
     grid.range_cm_ = 10 * grid.range_cm_ + (text[i] - '0');
+    if (grid.range_cm_ > kFarthestCm) return std::nullopt;
   }
   const bool has_zeros = text[prefix.size()] == '0' && colon > prefix.size() + 1;
-  if (grid.range_cm_ > kFarthestCm || has_zeros) return std::nullopt;
+  if (has_zeros) return std::nullopt;
   if (!readCells(text, colon + 1, kCells, grid.cells_.data())) return std::nullopt;
   return grid;
 }
@@ -112,9 +97,12 @@ ComparableView::ComparableView(const ViewGrid& grid) : range_m_(grid.range_m()) 
 }
 
 RAMSCOUT_WIDE_REGISTERS
-std::optional<double> ComparableView::distance(const ComparableView& other) const {
+std::optional<double> ComparableView::distance(const ComparableView& other,
+                                               const ViewComparison& weights) const {
+  const double all_weights =
+      0.5 * (1.0 + weights.outermost_ring) * ViewGrid::kRings * ViewGrid::kSectors;
   std::optional<double> best;
-  for (int turn = -kLargestTurn; turn <= kLargestTurn; ++turn) {
+  for (int turn = -weights.largest_turn; turn <= weights.largest_turn; ++turn) {
     double common = 0.0, different = 0.0, one_sided = 0.0;
     for (int ring = 0; ring < ViewGrid::kRings; ++ring) {
       const Ring& a = rings_[ring];
@@ -124,22 +112,22 @@ std::optional<double> ComparableView::distance(const ComparableView& other) cons
       const std::uint64_t clear_b = b.free | b.occupied;
       const std::uint64_t known_a = clear_a | a.mixed;
       const std::uint64_t known_b = clear_b | b.mixed;
-      const double weight = weightOf(ring);
+      const double weight = weightOf(ring, weights.outermost_ring);
       common += weight * countBits(known_a & known_b);
       one_sided += weight * countBits(known_a ^ known_b);
       different += weight * (countBits((a.free & b.occupied) | (a.occupied & b.free)) +
                              0.25 * countBits((a.mixed & clear_b) | (clear_a & b.mixed)));
     }
-    if (common < kLeastCommonShare * kAllWeights) continue;
+    if (common < weights.least_common_share * all_weights) continue;
     const double angle_rad = 2.0 * M_PI * turn / ViewGrid::kSectors;
     const double apart_m =
         std::sqrt(std::max(range_m_ * range_m_ + other.range_m_ * other.range_m_ -
                                2.0 * range_m_ * other.range_m_ * std::cos(angle_rad),
                            0.0));
-    const double difference =
-        (different + kPriorCells * kPriorDifference) / (common + kPriorCells) +
-        kOneSidedWeight * one_sided / kAllWeights +
-        kApartWeightPerM * std::min(apart_m, kFarthestApartM);
+    const double difference = (different + weights.prior_cells * weights.prior_difference) /
+                                  (common + weights.prior_cells) +
+                              weights.one_sided * one_sided / all_weights +
+                              weights.apart_per_m * std::min(apart_m, weights.farthest_apart_m);
     if (!best || difference < *best) best = difference;
   }
   return best;

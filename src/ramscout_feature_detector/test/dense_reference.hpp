@@ -25,8 +25,8 @@ public:
       for (int level = 0; level < parameters_.scale_levels; ++level)
         addPeaks(contour, level, peaks[level]);
       std::vector<Corner> corners;
-      for (const std::size_t split : findSplits(contour)) {
-        const auto lines = fitCorner(contour, split, parameters_);
+      for (const std::size_t split : findSplits(contour, parameters_.two_lines)) {
+        const auto lines = fitCorner(contour, split, parameters_.cornerModel());
         if (!lines || !isAdmissible(*lines, contour, parameters_)) continue;
         const auto corner = confirm(
             *lines, [&](int level) { return peaks[level]; }, parameters_);
@@ -145,7 +145,9 @@ private:
   }
 
   void addPeaks(const Contour& contour, int level, std::vector<ResponsePeak>& peaks) const {
-    const Image image = raster(extrapolate(contour, parameters_.extrapolation_distance), level);
+    const Image image = raster(
+        extrapolate(contour, parameters_.extrapolation_distance, parameters_.tangent_length_m),
+        level);
     Image xx = image, xy = image, yy = image;
     for (int r = 1; r + 1 < image.rows; ++r) {
       for (int c = 1; c + 1 < image.columns; ++c) {

@@ -165,7 +165,7 @@ class DetectorNodes(unittest.TestCase):
             scan.ranges = [value] * len(scan.ranges)
             self.assertEqual(self.corners_of(scan), 0, value)
         for node in ("/feature_detector", "/edge_detector"):
-            self.assertTrue(self.wait_until(lambda: self.said(node, Log.WARN, "no reading says anything")))
+            self.assertTrue(self.wait_until(lambda: self.logged(node, Log.WARN, "no reading contains information")))
 
     def test_a_few_readings_without_meaning_do_no_harm(self):
         scan = self.scan()
@@ -198,28 +198,28 @@ class DetectorNodes(unittest.TestCase):
         self.assertEqual(self.corners_of(self.scan()), 4)  # the next one is through
         self.assertEqual(sum(features.header.stamp == scan.header.stamp for features in self.lists), 1)
 
-    def said(self, node, level, text):
+    def logged(self, node, level, text):
         return any(log.name == node and log.level == level and text in log.msg for log in self.logs)
 
-    def test_what_is_odd_but_can_be_used_is_said_once_by_both(self):
+    def test_what_is_odd_but_can_be_used_is_warned_of_once_by_both(self):
         for attribute, value, text in (
-                ("angle_max", 0.0, "not as many as its angles"), ("time_increment", NAN, "its time_increment"),
-                ("scan_time", -1.0, "its scan_time"), ("intensities", [NAN] * 3, "its intensities")):
+                ("angle_max", 0.0, "number of ranges"), ("time_increment", NAN, "time_increment is"),
+                ("scan_time", -1.0, "scan_time is"), ("intensities", [NAN] * 3, "number of intensities")):
             for _ in range(3):
                 scan = self.scan()
                 setattr(scan, attribute, value)
                 self.assertEqual(self.corners_of(scan), 4, attribute)
             for node in ("/feature_detector", "/edge_detector"):
-                self.assertTrue(self.wait_until(lambda: self.said(node, Log.WARN, text)), text)
+                self.assertTrue(self.wait_until(lambda: self.logged(node, Log.WARN, text)), text)
                 self.assertEqual(sum(log.name == node and text in log.msg and " laser:" in log.msg
                                      for log in self.logs), 1, text)
         self.assertEqual(self.corners_of(self.scan(frame="/laser")), 4)
-        self.assertTrue(self.wait_until(lambda: self.said("/edge_detector", Log.WARN, "begins with a slash")))
+        self.assertTrue(self.wait_until(lambda: self.logged("/edge_detector", Log.WARN, "begins with a slash")))
 
     def test_a_truncated_scan_is_skipped_and_named(self):
         scan = self.scan()
         self.skips(TruncatedScan(*[getattr(scan, slot) for slot in LaserScan.__slots__]))
-        self.assertTrue(self.wait_until(lambda: self.said("/feature_detector", Log.ERROR, "deserializing")))
+        self.assertTrue(self.wait_until(lambda: self.logged("/feature_detector", Log.ERROR, "deserializing")))
 
     def test_a_publisher_of_another_type_is_refused(self):
         other = subprocess.Popen(["rostopic", "pub", "-r", "20", "scan", "std_msgs/String", "no scan"],
@@ -237,8 +237,8 @@ class DetectorNodes(unittest.TestCase):
             other.terminate()
             other.wait()
 
-    def says(self, detector, topic, text):
-        """Whether a detector started on a topic says a text."""
+    def prints(self, detector, topic, text):
+        """Whether a detector started on a topic prints a text."""
         node = subprocess.Popen(["rosrun", "ramscout_feature_detector", detector, "__name:=bare_" + detector,
                                  "scan:=" + topic, "features:=nowhere"], stderr=subprocess.PIPE, text=True)
         limit = threading.Timer(TIMEOUT_S, node.terminate)
@@ -251,13 +251,13 @@ class DetectorNodes(unittest.TestCase):
             node.wait()
             node.stderr.close()
 
-    def test_a_node_without_parameters_says_so(self):
+    def test_a_node_without_parameters_reports_it(self):
         for detector in ("feature_detector", "edge_detector"):
-            self.assertTrue(self.says(detector, "nothing", "all are at their defaults"), detector)
+            self.assertTrue(self.prints(detector, "nothing", "all are at their defaults"), detector)
 
     def test_a_topic_of_another_type_is_named(self):
         other = rospy.Publisher("no_scan", String, queue_size=1)
-        self.assertTrue(self.says("edge_detector", "no_scan", "/no_scan carries std_msgs/String"))
+        self.assertTrue(self.prints("edge_detector", "no_scan", "/no_scan carries std_msgs/String"))
         other.unregister()
 
     def test_both_detectors_run_side_by_side(self):

@@ -35,7 +35,7 @@ EdgeDetectorParameters forNoise(double noise_m) {
   return parameters;
 }
 
-TEST(EdgeDetector, CovariancesOfEndsMeanWhatTheySay) {
+TEST(EdgeDetector, CovariancesOfEndsAgreeWithTheirErrors) {
   for (const double noise_m : {0.01, 0.02}) {
     const EdgeDetector detector(forNoise(noise_m));
     Calibration calibration;
@@ -53,7 +53,7 @@ TEST(EdgeDetector, CovariancesOfEndsMeanWhatTheySay) {
   }
 }
 
-TEST(EdgeDetector, CovariancesOfCornersMeanWhatTheySay) {
+TEST(EdgeDetector, CovariancesOfCornersAgreeWithTheirErrors) {
   PolygonWorld world;
   world.add({{3.0, -50.0}, {3.0, 2.0}, {-50.0, 2.0}}, false);
   for (const double noise_m : {0.01, 0.02}) {
@@ -71,7 +71,7 @@ TEST(EdgeDetector, CovariancesOfCornersMeanWhatTheySay) {
   }
 }
 
-TEST(EdgeDetector, CovariancesOfSquareAndRoundPostsMeanWhatTheySay) {
+TEST(EdgeDetector, CovariancesOfSquareAndRoundPostsAgreeWithTheirErrors) {
   Calibration calibration;
   for (int i = 0; i < 1000; ++i) {
     ram_slam::Random random(12, i);
@@ -95,8 +95,8 @@ TEST(EdgeDetector, CovariancesOfSquareAndRoundPostsMeanWhatTheySay) {
 }
 
 /// A box's corner, seen along one of its sides: a few readings lie on that side, 5 to 50 cm apart,
-/// and noise decides whether the last one on the other side looks like one of them.
-TEST(EdgeDetector, CornersSeenAlongAWallAreNotMoreUncertainThanTheySay) {
+/// and noise decides whether the last one on the other side appears as one of them.
+TEST(EdgeDetector, CornersSeenAlongAWallErrNoMoreThanTheirCovariances) {
   PolygonWorld world;
   world.add({{3.0, 0.0}, {3.0, -2.0}, {9.0, -2.0}, {9.0, 0.0}}, true);
   world.add({{-1.0, 8.0}, {12.0, 8.0}, {12.0, -8.0}}, false);

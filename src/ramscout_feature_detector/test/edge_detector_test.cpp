@@ -173,43 +173,5 @@ TEST(EdgeDetector, RefusesWhatItCannotUse) {
   EXPECT_THROW(EdgeDetector({}).detect(scan, {std::nan(""), 0.0, 0.0}), std::invalid_argument);
 }
 
-EdgeDetectorParameters read(const std::string& yaml) {
-  ram_parameters::ParameterReader reader(YAML::Load(yaml), "test");
-  return readEdgeDetectorParameters(reader);
-}
-
-TEST(EdgeDetectorParameters, ShippedFileHoldsTheDefaults) {
-  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(EDGE_CONFIG_FILE),
-                                         EDGE_CONFIG_FILE);
-  const EdgeDetectorParameters shipped = readEdgeDetectorParameters(reader);
-  const EdgeDetectorParameters defaults;
-  EXPECT_EQ(shipped.laser_range_sigma, defaults.laser_range_sigma);
-  EXPECT_EQ(shipped.distance_threshold, defaults.distance_threshold);
-  EXPECT_EQ(shipped.object_size, defaults.object_size);
-  EXPECT_EQ(shipped.bend_scale, defaults.bend_scale);
-  EXPECT_EQ(shipped.bend_angle, defaults.bend_angle);
-  EXPECT_EQ(shipped.significance_min, defaults.significance_min);
-  EXPECT_EQ(shipped.position_sigma_limit, defaults.position_sigma_limit);
-  EXPECT_EQ(shipped.feature_distance, defaults.feature_distance);
-  EXPECT_EQ(shipped.max_features, defaults.max_features);
-  EXPECT_EQ(shipped.base_frame, defaults.base_frame);
-}
-
-TEST(EdgeDetectorParameters, OutOfRangeIsRefusedByName) {
-  for (const char* yaml :
-       {"laser_range_sigma: 0", "distance_threshold: -1", "object_size: 9", "bend_scale: 0",
-        "laser_range_sigma: wide", "max_features: 1.5", "bend_angle: 7", "significance_min: -1",
-        "position_sigma_limit: .nan", "feature_distance: 0", "max_features: 0", "base_frame: ''",
-        "bendangle: 1"}) {
-    try {
-      read(yaml);
-      ADD_FAILURE() << yaml << " was accepted";
-    } catch (const std::invalid_argument& error) {
-      const std::string key = std::string(yaml).substr(0, std::string(yaml).find(':'));
-      EXPECT_THAT(error.what(), testing::HasSubstr(key));
-    }
-  }
-}
-
 }  // namespace
 }  // namespace ramscout_feature_detector

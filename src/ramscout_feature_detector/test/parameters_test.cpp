@@ -21,24 +21,11 @@ TEST(Parameters, DefaultsAreValidAndGiveNoWarning) {
 TEST(Parameters, ShippedFileHoldsTheDefaults) {
   ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(CONFIG_FILE), CONFIG_FILE);
   const FeatureDetectorParameters shipped = readFeatureDetectorParameters(reader);
-  const FeatureDetectorParameters defaults;
-  EXPECT_EQ(shipped.ppm, defaults.ppm);
-  EXPECT_EQ(shipped.kernel_radius, defaults.kernel_radius);
-  EXPECT_EQ(shipped.scale_levels, defaults.scale_levels);
-  EXPECT_EQ(shipped.laser_range_sigma, defaults.laser_range_sigma);
-  EXPECT_EQ(shipped.laser_angular_sigma, defaults.laser_angular_sigma);
-  EXPECT_EQ(shipped.distance_threshold, defaults.distance_threshold);
-  EXPECT_EQ(shipped.occlude_limit, defaults.occlude_limit);
-  EXPECT_EQ(shipped.extrapolation_distance, defaults.extrapolation_distance);
-  EXPECT_EQ(shipped.max_features, defaults.max_features);
-  EXPECT_EQ(shipped.relative_threshold, defaults.relative_threshold);
-  EXPECT_EQ(shipped.feature_threshold, defaults.feature_threshold);
-  EXPECT_EQ(shipped.feature_distance, defaults.feature_distance);
-  EXPECT_EQ(shipped.covariance_limit, defaults.covariance_limit);
-  EXPECT_EQ(shipped.corner_threshold, defaults.corner_threshold);
-  EXPECT_EQ(shipped.significance_min, defaults.significance_min);
-  EXPECT_EQ(shipped.position_sigma_limit, defaults.position_sigma_limit);
-  EXPECT_EQ(shipped.base_frame, defaults.base_frame);
+  const auto rows = FeatureDetectorParameters::table().rows(shipped);
+  const auto defaults = FeatureDetectorParameters::table().rows();
+  ASSERT_EQ(rows.size(), defaults.size());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    EXPECT_EQ(rows[i].value, defaults[i].value) << rows[i].key;
 }
 
 TEST(Parameters, PresetsOfSensorsAreAccepted) {
@@ -79,6 +66,11 @@ INSTANTIATE_TEST_SUITE_P(Values,
                                          "occlude_limit: 1.0",
                                          "extrapolation_distance: 0.2",
                                          "base_frame: /base_link",
+                                         "two_lines: {leg_lengths_m: []}",
+                                         "two_lines: {leg_lengths_m: [0.4, 0.2]}",
+                                         "two_lines: {line: {refinements: -1}}",
+                                         "segmentation: {max_bridged_beams: -1}",
+                                         "max_lasers: 0",
                                          "ocludelimit: 0.3"));
 
 TEST(Parameters, AnIntegerIsADouble) {
@@ -92,6 +84,28 @@ TEST(Parameters, WarnsOfWhatIsAllowedButHardlyMeant) {
               testing::Contains(testing::HasSubstr("kernel_radius")));
   EXPECT_THAT(read("scale_levels: 5").warnings(),
               testing::Contains(testing::HasSubstr("scale_levels")));
+}
+
+TEST(Parameters, EveryAdvisedRangeWarnsOutside) {
+  for (const char* yaml :
+       {"ppm: 250", "kernel_radius: 101", "scale_levels: 4", "distance_threshold: 0.2",
+        "occlude_limit: 0.2", "extrapolation_distance: 0.9", "max_features: 4",
+        "feature_distance: 0.1",
+        "{relative_threshold: true, "
+        "feature_threshold: 0.5}"}) {
+    EXPECT_THAT(read(yaml).warnings(),
+                testing::Contains(testing::HasSubstr("outside the range that is known to work")))
+        << yaml;
+  }
+  EXPECT_THAT(read("feature_threshold: 0.5").warnings(), testing::IsEmpty());
+}
+
+TEST(Parameters, CornerModelIsThatOfTheParameters) {
+  const FeatureDetectorParameters parameters = read("{corner_threshold: 0.2, ppm: 80}");
+  const CornerModel model = parameters.cornerModel();
+  EXPECT_EQ(model.corner_threshold, 0.2);
+  EXPECT_EQ(model.range_sigma_m, parameters.laser_range_sigma);
+  EXPECT_EQ(&model.tuning, &parameters.two_lines);
 }
 
 }  // namespace

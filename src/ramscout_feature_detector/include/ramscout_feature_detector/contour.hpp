@@ -6,10 +6,16 @@
 
 #include <Eigen/Core>
 
+#include "ramscout_feature_detector/shared_parameters.hpp"
+
 namespace ramscout_feature_detector {
 
 /// A straight line fitted to consecutive points by total least squares.
 struct LineFit {
+  /// Two points lie on a line whatever their noise; three are the fewest whose residual measures
+  /// it.
+  static constexpr std::size_t kFewestPoints = 3;
+
   int count = 0;
   Eigen::Vector2d centroid_m = Eigen::Vector2d::Zero();
   Eigen::Vector2d direction =
@@ -17,12 +23,15 @@ struct LineFit {
   double spread_m2 = 0.0;        ///< sum of squared distances from the centroid along the line
   double residual_m2 = 0.0;      ///< sum of squared distances from the line
 
+  Eigen::Vector2d normal() const { return {-direction.y(), direction.x()}; }
   /// Variance of one point's distance from the line [m^2]: measured, with the sensor's variance as
-  /// a prior that counts as much as eight points; so that normalised squared errors have the right
-  /// mean although the variance is itself an estimate.
-  double noiseVariance(double prior_m2) const;
+  /// a prior that counts as much as `prior_points` points; so that normalised squared errors have
+  /// the right mean although the variance is itself an estimate.
+  double noiseVariance(double prior_m2, double prior_points) const;
   /// Variance of the direction's angle [rad^2] for points of that noise.
   double angleVariance(double noise_m2) const { return noise_m2 / spread_m2; }
+  /// Variance of the line's distance from a point in its prolongation [m^2].
+  double offsetVariance(double noise_m2, const Eigen::Vector2d& point_m) const;
 };
 
 /// Points of one connected surface in the order of the beams, in the laser's frame. Fitting a line
@@ -31,7 +40,9 @@ class Contour {
 public:
   /// \param points_m  at least two
   /// \param closed  the surface goes all around and the points repeat its beginning: it has no ends
-  explicit Contour(std::vector<Eigen::Vector2d> points_m, bool closed = false);
+  explicit Contour(std::vector<Eigen::Vector2d> points_m,
+                   bool closed = false,
+                   const LineParameters& parameters = {});
 
   std::size_t size() const { return points_m_.size(); }
   const Eigen::Vector2d& operator[](std::size_t index) const { return points_m_[index]; }
@@ -73,6 +84,7 @@ private:
   std::vector<Sums> sums_;  ///< sums_[i]: of the points before i, relative to the first
   std::vector<double> arcs_m_;
   bool closed_;
+  LineParameters parameters_;
 };
 
 }  // namespace ramscout_feature_detector

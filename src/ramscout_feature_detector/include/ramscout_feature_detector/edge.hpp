@@ -1,19 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
-
 #include <Eigen/Core>
 
-#include "ram_parameters/parameter_reader.hpp"
+#include "ram_parameters/parameter_table.hpp"
+#include "ramscout_feature_detector/shared_parameters.hpp"
 
 namespace ramscout_feature_detector {
 
 /// The type of the features and the name of their matcher.
 inline constexpr const char* kEdgeType = "edge";
 
-/// Settings of the edge detector. The names are the keys of config/edge_detector.yaml, which
-/// explains each with unit and range.
+/// Ends of surfaces.
+struct EndParameters {
+  double tangent_length_m = 0.2;
+  double continuation_sigmas = 4.0;
+  int few_points = 6;
+  double wall_spacings = 2.0;
+  double wall_sigmas = 2.0;
+  double corner_reach_m = 0.1;
+
+  static const ram_parameters::ParameterTable<EndParameters>& table();
+};
+
+/// Small free-standing things.
+struct ObjectParameters {
+  int min_points = 2;
+  double depth_share = 0.15;
+  double depth_sigma_share = 0.1;
+  double side_sigma_share = 0.03;
+
+  static const ram_parameters::ParameterTable<ObjectParameters>& table();
+};
+
+/// Corners of straight legs and other bends.
+struct BendParameters {
+  double corner_gain = 12.0;
+  double bend_gain = 16.0;
+  double max_crossing_m = 0.1;
+  double ragged_variance_m2 = 4e-4;
+  double ragged_orientation_variance_rad2 = 1e-2;
+
+  static const ram_parameters::ParameterTable<BendParameters>& table();
+};
+
+/// Settings of the edge detector; table() explains each with unit and range.
 struct EdgeDetectorParameters {
   double laser_range_sigma = 0.02;
   double distance_threshold = 0.15;
@@ -24,9 +55,19 @@ struct EdgeDetectorParameters {
   double position_sigma_limit = 0.03;
   double feature_distance = 0.05;
   int max_features = 100;
-  /// Only the node uses it: the frame of its features.
-  std::string base_frame = "base_link";
+  double corner_threshold = 0.08;
+  EndParameters ends;
+  ObjectParameters objects;
+  BendParameters bends;
+  SegmentationParameters segmentation;
+  TwoLineParameters two_lines;
+  DetectorNodeParameters node;
 
+  static const ram_parameters::ParameterTable<EdgeDetectorParameters>& table();
+  /// Valid as long as these parameters.
+  CornerModel cornerModel() const {
+    return {laser_range_sigma, corner_threshold, significance_min, two_lines};
+  }
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };

@@ -11,7 +11,7 @@
 
 namespace ramscout_feature_detector {
 
-/// What the beams beside the first (or last) beam of a surface say about its end there.
+/// What the beams beside the first (or last) beam of a surface show of its end there.
 struct Beside {
   /// The next beam goes past the surface and sees nothing or what is behind it.
   bool in_front = false;
@@ -20,7 +20,7 @@ struct Beside {
 };
 Beside beside(const Surface& surface, bool first, const ram_slam::LaserScan& scan);
 
-/// A small free-standing thing, at the likeliest place of its middle: 0.15 of the width that
+/// A small free-standing thing, at the likeliest place of its middle: depth_share of the width that
 /// is seen behind what is seen (a square's is half behind its side, or between two of its corners;
 /// that of a round thing between its outermost beams).
 ///
@@ -29,7 +29,7 @@ std::optional<Edge> fitObject(const Surface& surface,
                               double increment_rad,
                               const EdgeDetectorParameters& parameters);
 
-/// The first or last end of a surface that the laser looks past: on the line of its last straight
+/// The first or last end of a surface that the laser sees past: on the line of its last straight
 /// leg, between its last beam and the next. So it is uncertain along the beam by the line, and
 /// along the line by where between two beams it lies.
 ///

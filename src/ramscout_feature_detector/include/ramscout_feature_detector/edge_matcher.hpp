@@ -8,12 +8,12 @@
 
 namespace ramscout_feature_detector {
 
-/// Compares edges, features of type "edge", by what their surroundings look like (ViewGrid).
+/// Compares edges, features of type "edge", by the appearance of their surroundings (ViewGrid).
 class EdgeMatcher : public ram_slam::FeatureMatcher {
 public:
   std::shared_ptr<const Descriptor> parse(const std::string& classifier) const override;
 
-  /// Within [-3, 3]: a place looks semi-unique, never more. 0 if too little is seen of both.
+  /// Within [-3, 3]: a place is semi-unique, never more. 0 if too little is seen of both.
   double logLikelihoodRatio(const Descriptor& a, const Descriptor& b) const override;
 };
 

@@ -24,9 +24,11 @@ public:
   explicit FeatureDetector(const FeatureDetectorParameters& parameters);
 
   /// The corners with their covariance, orientation and classifier, strongest first, in the base
-  /// frame. \param base_from_laser  mounting; of a laser mounted upside down the scan must be
-  ///        ram_slam::mirrored() \throws
-  /// std::invalid_argument if the scan is not usable (LaserScan::validate()) or the pose not finite
+  /// frame.
+  /// \param base_from_laser  mounting; of a laser mounted upside down the scan must be
+  ///        ram_slam::mirrored()
+  /// \throws std::invalid_argument if the scan is not usable (LaserScan::validate()) or the pose
+  ///         not finite
   ram_slam::FeatureList detect(const ram_slam::LaserScan& scan,
                                const ram_slam::Pose2& base_from_laser) const;
 

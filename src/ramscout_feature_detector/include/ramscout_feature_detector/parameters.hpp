@@ -4,12 +4,22 @@
 #include <string>
 #include <vector>
 
-#include "ram_parameters/parameter_reader.hpp"
+#include "ram_parameters/parameter_table.hpp"
+#include "ramscout_feature_detector/shared_parameters.hpp"
 
 namespace ramscout_feature_detector {
 
-/// Settings of the detector. The names are the keys of config/feature_detector.yaml, which explains
-/// each with unit and range.
+/// The picture that shows what detection does.
+struct PictureParameters {
+  double reach_m = 10.0;
+  int max_pixels = 500;
+  int cross_pixels = 4;
+  double brightest_response = 0.02;
+
+  static const ram_parameters::ParameterTable<PictureParameters>& table();
+};
+
+/// Settings of the corner detector; table() explains each with unit and range.
 struct FeatureDetectorParameters {
   double ppm = 100.0;
   int kernel_radius = 40;
@@ -27,9 +37,19 @@ struct FeatureDetectorParameters {
   double corner_threshold = 0.08;
   double significance_min = 16.0;
   double position_sigma_limit = 0.035;
-  /// Only the node uses it: the frame of its features.
-  std::string base_frame = "base_link";
+  double tangent_length_m = 0.2;
+  double max_peak_offset_px = 5.0;
+  double single_level_significance = 25.0;
+  SegmentationParameters segmentation;
+  TwoLineParameters two_lines;
+  PictureParameters picture;
+  DetectorNodeParameters node;
 
+  static const ram_parameters::ParameterTable<FeatureDetectorParameters>& table();
+  /// Valid as long as these parameters.
+  CornerModel cornerModel() const {
+    return {laser_range_sigma, corner_threshold, significance_min, two_lines};
+  }
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 

@@ -12,7 +12,7 @@
 
 namespace ramscout_feature_detector {
 
-/// What one scan says about the surroundings of a corner: a polar grid centred on the corner whose
+/// What one scan shows of the surroundings of a corner: a polar grid centred on the corner whose
 /// axis is the corner's bisector. Text form "pg1:8x24:4.0:<64 base64 characters>", two bits a cell,
 /// ring by ring from the inside, sectors counter-clockwise from the bisector, first cell in the
 /// lowest bits.
@@ -26,7 +26,7 @@ public:
 
   enum Cell : std::uint8_t { kUnknown = 0, kFree = 1, kMixed = 2, kOccupied = 3 };
 
-  /// What the scan says around a place in the laser's frame.
+  /// What the scan shows around a place in the laser's frame.
   static PolarGrid around(const Eigen::Vector2d& place_m,
                           double orientation_rad,
                           const ram_slam::LaserScan& scan);
@@ -45,21 +45,31 @@ private:
   std::array<Cell, kCells> cells_{};
 };
 
+/// Weights of the comparison of two grids. The ratios of CornerMatcher were measured with these.
+struct GridComparison {
+  int least_common_cells = PolarGrid::kCells / 5;
+  double prior_cells = 20.0;       ///< the prior counts as much as so many cells
+  double prior_difference = 0.12;  ///< of grids with nothing in common
+  double one_sided = 0.1;          ///< of the share of all cells known in one only
+  double per_sector = 0.01;        ///< turned
+};
+
 /// A grid prepared for comparing: its cells as bits, turned by -1, 0 and 1 sector.
 class ComparableGrid {
 public:
   explicit ComparableGrid(const PolarGrid& grid);
 
-  /// How different the surroundings look, at least 0, for the best of the turns by -1, 0 and 1
+  /// How different the surroundings appear, at least 0, for the best of the turns by -1, 0 and 1
   /// sector:
   ///
   /// (sum of squared differences of occupancy + 20 * 0.12) / (cells known in both + 20)
   ///   + 0.1 * (share of all cells known in one only) + 0.01 * |turn|
   ///
-  /// with occupancy 0 (free), 1/2 (mixed), 1 (occupied): few common cells say little, and from
+  /// with occupancy 0 (free), 1/2 (mixed), 1 (occupied): few common cells mean little, and from
   /// about the same place about the same cells are seen. Nothing if fewer than a fifth of the cells
   /// are known in both. Symmetric.
-  std::optional<double> distance(const ComparableGrid& other) const;
+  std::optional<double> distance(const ComparableGrid& other,
+                                 const GridComparison& weights = {}) const;
 
 private:
   static constexpr int kWords = PolarGrid::kCells / 64;

@@ -20,7 +20,7 @@ public:
 
   std::shared_ptr<const Descriptor> parse(const std::string& classifier) const override;
 
-  /// Within [-ln 20, ln 20]: a place looks semi-unique, never more. 0 if too little is seen of
+  /// Within [-ln 20, ln 20]: a place is semi-unique, never more. 0 if too little is seen of
   /// both.
   double logLikelihoodRatio(const Descriptor& a, const Descriptor& b) const override;
 

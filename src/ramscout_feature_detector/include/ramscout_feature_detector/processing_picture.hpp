@@ -23,9 +23,9 @@ struct Picture {
 /// response, and the result with the regions around surfaces' ends where nothing is accepted (grey)
 /// and the corners (red crosses).
 ///
-/// Of the surroundings up to 10 m, x to the right and y up, on the coarsest level of the pyramid;
-/// each picture is at most 500 pixels wide. Takes tens of milliseconds. \throws
-/// std::invalid_argument if the scan is not usable
+/// Of the surroundings up to picture.reach_m, x to the right and y up, on the coarsest level of the
+/// pyramid; each picture is at most picture.max_pixels wide. Takes tens of milliseconds.
+/// \throws std::invalid_argument if the scan is not usable
 Picture pictureOfProcessing(const FeatureDetector& detector, const ram_slam::LaserScan& scan);
 
 }  // namespace ramscout_feature_detector

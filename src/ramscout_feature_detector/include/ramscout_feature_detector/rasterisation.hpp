@@ -20,9 +20,12 @@ inline constexpr int kPatchPixels = 41;
 inline constexpr int kPatchColumns = 48;
 using ImagePatch = Grid<kPatchPixels, kPatchColumns>;
 
-/// The contour with its ends prolonged along their tangents, so that the ridge in the image does
-/// not stop where the surface leaves the view: the end of a ridge is itself a corner.
-std::vector<Eigen::Vector2d> extrapolate(const Contour& contour, double distance_m);
+/// The contour with its ends prolonged by `distance_m` along their tangents, so that the ridge in
+/// the image does not stop where the surface leaves the view: the end of a ridge is itself a
+/// corner.
+std::vector<Eigen::Vector2d> extrapolate(const Contour& contour,
+                                         double distance_m,
+                                         double tangent_length_m);
 
 /// A square of the image of a contour on one level of the pyramid, row by row, intensities in [0,
 /// 1].

@@ -29,11 +29,12 @@ bool isFullTurn(const ram_slam::LaserScan& scan);
 /// out. A full turn is joined at its seam.
 std::vector<Surface> splitIntoSurfaces(const ram_slam::LaserScan& scan,
                                        double distance_threshold_m,
-                                       double range_sigma_m);
+                                       double range_sigma_m,
+                                       const SegmentationParameters& parameters);
 
 /// The points of a surface of at least two. One that goes all around repeats its first `overlap_m`
 /// at its end, so that nothing lies near its seam only.
-Contour toContour(Surface surface, double overlap_m);
+Contour toContour(Surface surface, double overlap_m, const LineParameters& parameters);
 
 /// The surfaces that corners can lie on: those with fewer than 5 points or shorter than twice
 /// occlude_limit are dropped, nothing on them could be accepted.

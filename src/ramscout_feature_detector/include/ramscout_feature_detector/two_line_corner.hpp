@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "ramscout_feature_detector/contour.hpp"
-#include "ramscout_feature_detector/parameters.hpp"
+#include "ramscout_feature_detector/shared_parameters.hpp"
 
 namespace ramscout_feature_detector {
 
@@ -26,31 +26,34 @@ struct TwoLineCorner {
 
 /// A straight run of points of a contour.
 struct Leg {
+  bool before;  ///< the corner, else after it
   std::size_t first;
   std::size_t last;
   LineFit line;
 };
 
-/// The longest straight leg (0.1 to 0.8 m) that ends (`before`) or begins at a point, if there is
-/// any.
+/// Variance of a point's distance from a line [m^2]: as measured, with the sensor's range noise at
+/// the line's incidence as prior.
+double noiseOf(const LineFit& line, const CornerModel& model);
+
+/// The longest straight leg (tuning.leg_lengths_m) that ends (`before`) or begins at a point, if
+/// there is any.
 std::optional<Leg> longestLeg(const Contour& contour,
                               std::size_t end,
                               bool before,
-                              const FeatureDetectorParameters& parameters);
+                              const CornerModel& model);
 
 /// Where the contour bends most, each the last point of the first of two legs: the points where two
-/// lines describe the 0.2 m on both sides better than one does, by more than at all the points
-/// within 0.1 m.
-std::vector<std::size_t> findSplits(const Contour& contour);
+/// lines describe the split_window_m on both sides better than one does, by more than at all the
+/// points within split_spacing_m.
+std::vector<std::size_t> findSplits(const Contour& contour, const TwoLineParameters& tuning);
 
 /// Whether there are legs before and after a split whose directions differ more than noise
 /// explains. fitCorner() is several times slower and yields nothing for the others.
 ///
 /// The structure tensor of normals of Li & Olson (ICRA 2011), with the normals from lines fitted to
-/// 0.1, 0.2, 0.4 and 0.8 m before and after.
-bool isPromising(const Contour& contour,
-                 std::size_t split,
-                 const FeatureDetectorParameters& parameters);
+/// each of leg_lengths_m before and after.
+bool isPromising(const Contour& contour, std::size_t split, const CornerModel& model);
 
 /// What becomes of points so close to a corner that noise decided to which leg they were counted,
 /// if without them a leg has too few: on a wall at a grazing angle one reading of the other wall
@@ -60,13 +63,13 @@ enum class Contested {
   kNever,     ///< two certain points are enough for a leg; without them there is no corner
 };
 
-/// The corner of two straight legs that meet after the point `split`: the longest legs (0.1 to 0.8
-/// m) that are straight, then their crossing with its covariance.
+/// The corner of two straight legs that meet after the point `split`: the longest legs
+/// that are straight, then their crossing with its covariance.
 ///
 /// \return nothing if the contour there does not consist of two straight legs
 std::optional<TwoLineCorner> fitCorner(const Contour& contour,
                                        std::size_t split,
-                                       const FeatureDetectorParameters& parameters,
+                                       const CornerModel& model,
                                        Contested contested = Contested::kIfNeeded);
 
 }  // namespace ramscout_feature_detector

@@ -26,9 +26,12 @@ public:
   static constexpr int kRings = 8;
   static constexpr int kSectors = 48;
   static constexpr int kCells = kRings * kSectors;
+  static constexpr double kInnerRadiusM = 0.05;
+  static constexpr double kOuterRadiusM = 8.0;
+  static constexpr double kRingOffsetM = 0.35;  ///< rings are nearly as wide as this inside
   static constexpr int kFarthestCm = 100000;
 
-  /// What the scan says around a place in the laser's frame.
+  /// What the scan shows around a place in the laser's frame.
   static ViewGrid around(const Eigen::Vector2d& place_m, const ram_slam::LaserScan& scan);
 
   /// Nothing if the text is not a grid of this scheme and size.
@@ -43,21 +46,35 @@ private:
   int range_cm_ = 0;  ///< in [0, kFarthestCm]
 };
 
+/// Weights of the comparison of two views. The ratios of EdgeMatcher were measured with these.
+struct ViewComparison {
+  int largest_turn = ViewGrid::kSectors / 6;  ///< in sectors, to either side
+  double outermost_ring = 2.0;                ///< of the innermost ring 1, linear in between
+  double least_common_share = 0.2;            ///< of all weights, to be compared at all
+  double prior_cells = 60.0;                  ///< the prior counts as much as so many cells
+  double prior_difference = 0.12;             ///< of views with nothing in common
+  double one_sided = 0.1;                     ///< of the share of weights known in one only
+  double apart_per_m = 0.01;                  ///< of the distance of the two lasers
+  double farthest_apart_m = 4.0;              ///< farther ones count as this
+};
+
 /// A view prepared for comparing: the cells of each ring as bits.
 class ComparableView {
 public:
   explicit ComparableView(const ViewGrid& grid);
 
-  /// How different the surroundings look, at least 0, for the best of the turns within 60 degrees:
+  /// How different the surroundings appear, at least 0, for the best of the turns within 60
+  /// degrees:
   ///
   /// (sum of w * squared differences of occupancy + 60 * 0.12) / (sum of w of cells known in both +
   ///   60) + 0.1 * (share of w known in one only) + 0.01 / m * min(d, 4 m)
   ///
   /// with occupancy 0 (free), 1/2 (mixed), 1 (occupied), the weight w of a ring from 1 inside to 2
   /// outside, and d the distance between the two places of the laser if the grids are turned like
-  /// that: few common cells say little, and from about the same place about the same cells are
+  /// that: few common cells mean little, and from about the same place about the same cells are
   /// seen. Nothing if less than a fifth is known in both. Symmetric.
-  std::optional<double> distance(const ComparableView& other) const;
+  std::optional<double> distance(const ComparableView& other,
+                                 const ViewComparison& weights = {}) const;
 
 private:
   struct Ring {
