@@ -27,21 +27,21 @@ using namespace ramscout_bringup;
 std::vector<FilterStep> prepare(const std::string& bag, const SlamParameters& parameters) {
   ramscout_bringup_ros::BagRecording recording(bag, {});
   Trajectory wheels;
-  std::vector<ScanReading> scans;
+  std::vector<ram_slam::MountedScan> scans;
   while (auto reading = recording.next()) {
-    if (auto* odometry = std::get_if<OdometryReading>(&*reading)) {
+    if (auto* odometry = std::get_if<ram_slam::StampedPose2>(&*reading)) {
       if (wheels.empty() || odometry->stamp_ns > wheels.back().stamp_ns)
-        wheels.push_back({odometry->stamp_ns, odometry->odom_from_base});
+        wheels.push_back({odometry->stamp_ns, odometry->pose});
     } else {
-      scans.push_back(std::get<ScanReading>(std::move(*reading)));
+      scans.push_back(std::get<ram_slam::MountedScan>(std::move(*reading)));
     }
   }
   ram_slam::LaserOdometry odometry(parameters.laser_odometry);
   ramscout_feature_detector::FeatureDetector detector(parameters.feature_detector);
   std::vector<FilterStep> steps;
-  for (ScanReading& scan : scans) {
-    const auto estimate =
-        odometry.update(scan.scan, scan.base_from_laser, ram_slam::poseAt(wheels, scan.stampNs()));
+  for (ram_slam::MountedScan& scan : scans) {
+    const auto estimate = odometry.update(scan.scan, scan.base_from_laser,
+                                          ram_slam::poseAt(wheels, scan.scan.stamp_ns));
     steps.push_back(
         {scan, detector.detect(scan.scan, scan.base_from_laser), estimate.odom_from_base.pose});
   }
@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
       const Trajectory truth = readTrajectory(files[i + 1]);
       for (const std::string& config : configs) {
         const SlamParameters parameters = readSlamParameters(config);
-        print(files[i] + " " + config, scoreFilter(parameters, Estimator::kFilter, steps, truth));
+        print(files[i] + " " + config, scoreFilter(parameters, Judged::kFilter, steps, truth));
       }
     }
   } catch (const std::exception& error) {

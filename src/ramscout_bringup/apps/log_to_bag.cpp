@@ -20,8 +20,8 @@
 
 namespace {
 
-using ramscout_bringup::OdometryReading;
-using ramscout_bringup::ScanReading;
+using ram_slam::MountedScan;
+using ram_slam::StampedPose2;
 
 constexpr double kStaticTransformPeriodS = 10.0;  // so that playing may begin anywhere
 
@@ -43,25 +43,25 @@ public:
     bag_.setCompression(rosbag::compression::LZ4);
   }
 
-  void write(const OdometryReading& reading) {
+  void write(const StampedPose2& reading) {
     nav_msgs::Odometry odometry;
     odometry.header.stamp = ram_slam_ros::toTime(reading.stamp_ns);
     odometry.header.frame_id = "odom";
     odometry.child_frame_id = "base_link";
-    odometry.pose.pose = ram_slam_ros::toPoseMessage(reading.odom_from_base);
+    odometry.pose.pose = ram_slam_ros::toPoseMessage(reading.pose);
     bag_.write("/odom", odometry.header.stamp, odometry);
     tf2_msgs::TFMessage transforms;
     transforms.transforms.push_back(
-        toTransform(reading.stamp_ns, "odom", "base_link", reading.odom_from_base));
+        toTransform(reading.stamp_ns, "odom", "base_link", reading.pose));
     bag_.write("/tf", odometry.header.stamp, transforms);
   }
 
-  void write(const ScanReading& reading) {
-    const ros::Time stamp = ram_slam_ros::toTime(reading.stampNs());
+  void write(const MountedScan& reading) {
+    const ros::Time stamp = ram_slam_ros::toTime(reading.scan.stamp_ns);
     if (mount_written_.isZero() || (stamp - mount_written_).toSec() > kStaticTransformPeriodS) {
       tf2_msgs::TFMessage transforms;
       transforms.transforms.push_back(
-          toTransform(reading.stampNs(), "base_link", "laser", reading.base_from_laser));
+          toTransform(reading.scan.stamp_ns, "base_link", "laser", reading.base_from_laser));
       bag_.write("/tf_static", stamp, transforms);
       mount_written_ = stamp;
     }

@@ -36,6 +36,8 @@ struct Options {
   std::string config;
   bool wheels_only = false;
   bool no_smoothing = false;
+  bool live_settings = false;
+  std::string estimator = "fast_slam";
   ramscout_bringup_ros::BagSelection bag;
 };
 
@@ -75,7 +77,8 @@ nlohmann::ordered_json cost(double recorded_s) {
 }
 
 void run(const Options& options) {
-  auto parameters = ramscout_bringup::readSlamParameters(options.config);
+  auto parameters = ramscout_bringup::readSlamParameters(options.config, options.estimator);
+  if (!options.live_settings) parameters.useBatchSettings();
   parameters.use_laser_odometry = !options.wheels_only;
   parameters.use_map_smoother = !options.no_smoothing;
   ramscout_bringup::SlamPipeline pipeline(parameters);
@@ -120,6 +123,10 @@ int main(int argc, char** argv) {
                "no laser odometry: the wheels' odometry as it is, no smoothing");
   app.add_flag("--no-smoothing", options.no_smoothing,
                "the final trajectory is the estimator's own");
+  app.add_flag("--live-settings", options.live_settings,
+               "the settings of the live nodes: every scan updates the estimator, and the smoother "
+               "optimises while driving");
+  app.add_option("--estimator", options.estimator, "name of the estimator")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   std::signal(SIGINT, requestStop);
   try {

@@ -7,11 +7,11 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include <Eigen/LU>
-#include <ram_slam/smoothing/map_smoother.hpp>
-#include <ram_slam/tracking/tracker.hpp>
-#include <ramscout_feature_detector/corner_matcher.hpp>
+#include <ram_slam/estimation/fast_slam_estimator.hpp>
+#include <ram_slam/stages/smoothing_stage.hpp>
 #include <ramscout_kinematics/kinematics.hpp>
 
 #include "ramscout_bringup/evaluation.hpp"
@@ -43,28 +43,27 @@ Eigen::Vector2d medianPlace(const std::vector<Sighting>& sightings) {
   return {xs[xs.size() / 2], ys[ys.size() / 2]};
 }
 
-ram_slam::RecoveryParameters recovery(const SlamParameters& parameters, Estimator estimator) {
+ram_slam::EstimatorFactory estimatorFactory(const SlamParameters& parameters, Judged judged) {
   ram_slam::RecoveryParameters recovery = parameters.recovery;
-  if (estimator == Estimator::kFilter) recovery.enabled = false;
-  return recovery;
+  if (judged == Judged::kFilter) recovery.enabled = false;
+  return [=, filter = parameters.fast_slam] {
+    return std::make_unique<ram_slam::FastSlamEstimator>(filter, recovery, featureMatchers());
+  };
 }
 
 /// A run of the estimator over prepared steps, judged by the truth.
 class Run {
 public:
   Run(const SlamParameters& parameters,
-      Estimator estimator,
+      Judged judged,
       const std::vector<FilterStep>& steps,
       const Trajectory& truth)
       : parameters_(parameters),
         steps_(steps),
         truth_(truth),
         kinematics_(parameters.kinematics),
-        slam_(parameters.fast_slam,
-              recovery(parameters, estimator),
-              {{ramscout_feature_detector::kCornerType,
-                std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}) {
-    if (estimator == Estimator::kDeployed) smoother_.emplace(parameters.map_smoother);
+        stage_(estimatorFactory(parameters, judged), kinematics_, parameters.estimator_stage) {
+    if (judged == Judged::kDeployed) smoothing_.emplace(parameters.map_smoother, featureMatchers());
   }
 
   FilterScore score() {
@@ -72,18 +71,15 @@ public:
       take(step);
       if (&step == &steps_[steps_.size() / 2]) rememberLandmarks();
     }
-    if (smoother_) {
-      smoother_->optimize();
-      follow();
-    }
+    if (smoothing_ && !slam().lost()) stage_.follow(smoothing_->optimize());
     FilterScore score;
-    const TruthComparison comparison = compareWithTruth(slam_.filter().trajectory(), truth_);
+    const TruthComparison comparison = compareWithTruth(slam().filter().trajectory(), truth_);
     score.ate_m = comparison.position_m.rms;
     score.online_ate_m = compareWithTruth(online_, truth_).position_m.rms;
     score.times_lost = times_lost_;
     Trajectory odometry;
     for (const FilterStep& step : steps_)
-      odometry.push_back({step.reading.stampNs(), step.odom_from_base});
+      odometry.push_back({step.scan.scan.stamp_ns, step.odom_from_base});
     score.odometry_m = compareWithTruth(odometry, truth_).position_m.rms;
     score.yaw_rad = comparison.yaw_rad.rms;
     const double count = static_cast<double>(nees_.size());
@@ -99,55 +95,57 @@ public:
 
 private:
   void take(const FilterStep& step) {
-    const std::int64_t stamp_ns = step.reading.stampNs();
+    const std::int64_t stamp_ns = step.scan.scan.stamp_ns;
     kinematics_.add({stamp_ns, step.odom_from_base});
-    const auto view = std::make_shared<const ram_slam::LaserView>(step.reading.scan,
-                                                                  step.reading.base_from_laser);
-    const bool was_lost = slam_.lost();
-    slam_.update(step.features, kinematics_, view);
-    times_lost_ += slam_.lost() && !was_lost ? 1 : 0;
-    if (smoother_) smooth(step);
+    if (smoothing_) smooth(step);
+    const bool was_lost = slam().lost();
+    const auto motion = stage_.motionUntil(stamp_ns);
+    if (!motion) throw std::out_of_range(stage_.missingMotion());
+    stage_.update(
+        step.features, *motion,
+        std::make_shared<const ram_slam::LaserView>(step.scan.scan, step.scan.base_from_laser));
+    times_lost_ += slam().lost() && !was_lost ? 1 : 0;
+    stage_.followCorrection();
     const auto truth = ram_slam::poseAt(truth_, stamp_ns);
     if (!truth) return;
     if (!start_) start_ = *truth;
     const Pose2 wanted = start_->inverse() * *truth;
-    const ram_slam::PoseWithCovariance2 estimate = slam_.estimate();
+    const ram_slam::PoseWithCovariance2 estimate = slam().estimate();
     online_.push_back({stamp_ns, estimate.pose});
     const Eigen::Vector3d error(estimate.pose.x_m - wanted.x_m, estimate.pose.y_m - wanted.y_m,
                                 ram_slam::wrapAngle(estimate.pose.yaw_rad - wanted.yaw_rad));
     squares_m2_ += error.head<2>().squaredNorm();
     const Eigen::Matrix3d covariance = estimate.covariance + 1e-10 * Eigen::Matrix3d::Identity();
     nees_.push_back(error.dot(covariance.inverse() * error));
-    if (slam_.lost()) return;
+    if (slam().lost()) return;
     for (std::size_t i = 0; i < step.features.features.size(); ++i) {
-      const ram_slam::Association& association = slam_.filter().associations()[i];
+      const ram_slam::Association& association = slam().filter().associations()[i];
       if (association.verdict != ram_slam::Verdict::kMatched) continue;
       sightings_[association.id].push_back(
           {stamp_ns, wanted * step.features.features[i].position_m});
     }
   }
 
-  /// As MapSmootherNode does it.
   void smooth(const FilterStep& step) {
-    smoother_->addScan(step.reading.scan, step.reading.base_from_laser, step.odom_from_base);
-    smoother_->optimizeIfDue();
-    follow();
+    smoothing_->add(step.scan);
+    smoothing_->addOdometry({step.scan.scan.stamp_ns, step.odom_from_base});
+    while (auto smoothed = smoothing_->next())
+      if (smoothed->correction) stage_.addCorrection(std::move(*smoothed->correction));
   }
 
-  void follow() {
-    if (slam_.lost() || !smoother_->hasCorrection()) return;
-    slam_.followTrajectory(smoother_->takeCorrection());
+  const ram_slam::Tracker& slam() const {
+    return static_cast<const ram_slam::FastSlamEstimator&>(stage_.estimator()).slam();
   }
 
   void rememberLandmarks() {
-    for (const ram_slam::LandmarkEstimate& landmark : slam_.filter().landmarks().landmarks) {
+    for (const ram_slam::LandmarkEstimate& landmark : slam().filter().landmarks().landmarks) {
       if (landmark.existence_log_odds >= parameters_.fast_slam.confirm_log_odds)
         known_at_half_.push_back(landmark.id);
     }
   }
 
   void judgeLandmarks(FilterScore& score) const {
-    const std::int64_t half_ns = steps_[steps_.size() / 2].reading.stampNs();
+    const std::int64_t half_ns = steps_[steps_.size() / 2].scan.scan.stamp_ns;
     std::size_t matches = 0;
     std::size_t wrong = 0;
     std::map<ram_slam::LandmarkId, Eigen::Vector2d> places;
@@ -160,7 +158,7 @@ private:
     }
     score.false_matches =
         static_cast<double>(wrong) / static_cast<double>(std::max<std::size_t>(matches, 1));
-    for (const ram_slam::LandmarkEstimate& landmark : slam_.filter().landmarks().landmarks) {
+    for (const ram_slam::LandmarkEstimate& landmark : slam().filter().landmarks().landmarks) {
       if (landmark.existence_log_odds < parameters_.fast_slam.confirm_log_odds) continue;
       ++score.landmarks;
       const auto found = places.find(landmark.id);
@@ -189,9 +187,9 @@ private:
     int empty = 0;
     int visible = 0;
     for (std::size_t i = 0; i < steps_.size(); i += 20) {
-      const auto truth = ram_slam::poseAt(truth_, steps_[i].reading.stampNs());
+      const auto truth = ram_slam::poseAt(truth_, steps_[i].scan.scan.stamp_ns);
       if (!truth) continue;
-      const ram_slam::LaserView view(steps_[i].reading.scan, steps_[i].reading.base_from_laser);
+      const ram_slam::LaserView view(steps_[i].scan.scan, steps_[i].scan.base_from_laser);
       const ram_slam::Sight sight = view.look((start_->inverse() * *truth).inverse() * place_m);
       empty += sight == ram_slam::Sight::kEmpty ? 1 : 0;
       visible += sight == ram_slam::Sight::kVisible ? 1 : 0;
@@ -203,8 +201,8 @@ private:
   const std::vector<FilterStep>& steps_;
   const Trajectory& truth_;
   ramscout_kinematics::Kinematics kinematics_;
-  ram_slam::Tracker slam_;
-  std::optional<ram_slam::MapSmoother> smoother_;
+  ram_slam::EstimatorStage stage_;
+  std::optional<ram_slam::SmoothingStage> smoothing_;
   int times_lost_ = 0;
   std::optional<Pose2> start_;
   Trajectory online_;
@@ -217,10 +215,10 @@ private:
 }  // namespace
 
 FilterScore scoreFilter(const SlamParameters& parameters,
-                        Estimator estimator,
+                        Judged judged,
                         const std::vector<FilterStep>& steps,
                         const Trajectory& truth) {
-  return Run(parameters, estimator, steps, truth).score();
+  return Run(parameters, judged, steps, truth).score();
 }
 
 void print(const std::string& name, const FilterScore& s) {

@@ -14,13 +14,13 @@ namespace ramscout_bringup {
 
 /// One scan as the filter gets it.
 struct FilterStep {
-  ScanReading reading;
+  ram_slam::MountedScan scan;
   ram_slam::FeatureList features;
   ram_slam::Pose2 odom_from_base;
 };
 
-/// Which part of the estimator is judged.
-enum class Estimator {
+/// Which part of the system is judged.
+enum class Judged {
   kFilter,    ///< FastSlam alone
   kDeployed,  ///< as the nodes run it: Tracker, which follows MapSmoother
 };
@@ -45,7 +45,7 @@ struct FilterScore {
 
 /// Runs the estimator over the steps, and judges it by the truth. docs/fast_slam.md says how.
 FilterScore scoreFilter(const SlamParameters& parameters,
-                        Estimator estimator,
+                        Judged judged,
                         const std::vector<FilterStep>& steps,
                         const ram_slam::Trajectory& truth);
 

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include <ram_slam/sensing/field_of_view.hpp>
-#include <ramscout_feature_detector/corner_matcher.hpp>
 
 namespace ramscout_bringup {
 namespace {
@@ -20,20 +19,6 @@ constexpr double kSide_m = 0.3;
 constexpr double kAway_m = 2.0;         // carried at least that far
 constexpr double kAfterwards_m = 10.0;  // driven on after the recovery, to see whether it holds
 
-template <typename Read>
-auto readFile(const std::string& config, const std::string& node, const Read& read) {
-  const std::string path = config + "/" + node + ".yaml";
-  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
-  return read(reader);
-}
-
-ram_slam::Tracker makeSlam(const std::string& config) {
-  return {readFile(config, "fast_slam", ram_slam::readFastSlamParameters),
-          readFile(config, "fast_slam", ram_slam::readRecoveryParameters),
-          {{ramscout_feature_detector::kCornerType,
-            std::make_shared<const ramscout_feature_detector::CornerMatcher>()}}};
-}
-
 bool isWrong(const Pose2& estimate, const Pose2& truth) {
   const Pose2 error = truth.inverse() * estimate;
   return error.translation().norm() > kWrong_m || std::abs(error.yaw_rad) > kWrong_rad;
@@ -42,13 +27,17 @@ bool isWrong(const Pose2& estimate, const Pose2& truth) {
 }  // namespace
 
 KidnappedRobot::KidnappedRobot(const std::string& config, int seed)
+    : KidnappedRobot(config, readSlamParameters(config), seed) {}
+
+KidnappedRobot::KidnappedRobot(const std::string& config,
+                               const SlamParameters& parameters,
+                               int seed)
     : tour_(ramscout_sim::readTour(config + "/worlds/office_tour.yaml")),
       robot_(config, ramscout_sim::readWorld(config + "/worlds/office.yaml"), seed),
-      laser_odometry_(readFile(config, "laser_odometry", ram_slam::readLaserOdometryParameters)),
-      detector_(readFile(
-          config, "feature_detector", ramscout_feature_detector::readFeatureDetectorParameters)),
-      kinematics_(readFile(config, "kinematics", ramscout_kinematics::readKinematicsParameters)),
-      slam_(makeSlam(config)),
+      odometry_(parameters.laser_odometry),
+      detector_(parameters.feature_detector),
+      kinematics_(parameters.kinematics),
+      stage_(parameters.estimator, kinematics_, parameters.estimator_stage),
       random_(static_cast<std::uint64_t>(seed), 77) {}
 
 Pose2 KidnappedRobot::placeInMap() const {
@@ -62,7 +51,7 @@ Pose2 KidnappedRobot::placeInMap() const {
 }
 
 double KidnappedRobot::error_m() const {
-  return (slam_.estimate().pose.translation() - placeInMap().translation()).norm();
+  return (slam().estimate().pose.translation() - placeInMap().translation()).norm();
 }
 
 void KidnappedRobot::step(ramscout_sim::TourDriver& driver) {
@@ -70,15 +59,19 @@ void KidnappedRobot::step(ramscout_sim::TourDriver& driver) {
   truth_ = reading.start_from_base;
   if (last_truth_) driven_m_ += (truth_.translation() - last_truth_->translation()).norm();
   last_truth_ = truth_;
-  const auto refined =
-      laser_odometry_.update(reading.scan, robot_.baseFromLaser(), reading.odom_from_base);
-  kinematics_.add({reading.scan.stamp_ns, refined.odom_from_base.pose});
-  try {
-    slam_.update(detector_.detect(reading.scan, robot_.baseFromLaser()), kinematics_,
-                 std::make_shared<const ram_slam::LaserView>(reading.scan, robot_.baseFromLaser()));
-  } catch (const std::out_of_range&) {
-    // Odometry that jumped is not used at once: this reading is lost, as in the node.
-  }
+  odometry_.addWheels({reading.scan.stamp_ns, reading.odom_from_base});
+  odometry_.add({reading.scan, robot_.baseFromLaser()});
+  while (const auto refined = odometry_.next()) estimate(*refined);
+}
+
+void KidnappedRobot::estimate(const ram_slam::OdometryStep& refined) {
+  const ram_slam::LaserScan& scan = refined.scan.scan;
+  kinematics_.add({scan.stamp_ns, refined.estimate.odom_from_base.pose});
+  const auto motion = stage_.motionUntil(scan.stamp_ns);
+  // Odometry that jumped is not used at once: this reading is lost, as in the node.
+  if (!motion) return;
+  stage_.update(detector_.detect(scan, refined.scan.base_from_laser), *motion,
+                std::make_shared<const ram_slam::LaserView>(scan, refined.scan.base_from_laser));
 }
 
 double KidnappedRobot::map() {
@@ -87,10 +80,10 @@ double KidnappedRobot::map() {
   std::map<std::int64_t, Pose2> truths;
   while (driver.progress() < 1.0) {
     step(driver);
-    lost_scans += slam_.lost() ? 1 : 0;
-    truths[slam_.stamp_ns()] = truth_;
+    lost_scans += slam().lost() ? 1 : 0;
+    truths[slam().stamp_ns()] = truth_;
   }
-  for (const ram_slam::StampedPose2& pose : slam_.filter().trajectory()) {
+  for (const ram_slam::StampedPose2& pose : slam().filter().trajectory()) {
     const auto when = truths.find(pose.stamp_ns);
     if (when != truths.end()) mapped_.push_back({when->second, pose.pose});
   }
@@ -125,13 +118,13 @@ std::string KidnappedRobot::mapBytes() const {
   const auto append = [&bytes](const double* values, std::size_t count) {
     bytes.append(reinterpret_cast<const char*>(values), count * sizeof(double));
   };
-  for (const ram_slam::Particle& particle : slam_.filter().particles()) {
+  for (const ram_slam::Particle& particle : slam().filter().particles()) {
     particle.landmarks.forEach([&](ram_slam::LandmarkId, const ram_slam::Landmark& landmark) {
       append(landmark.mean_m.data(), 2);
       append(landmark.covariance_m2.data(), 4);
     });
   }
-  for (const ram_slam::LandmarkRecord& record : slam_.filter().registry().records())
+  for (const ram_slam::LandmarkRecord& record : slam().filter().registry().records())
     append(&record.existence_log_odds, 1);
   return bytes;
 }
@@ -161,8 +154,8 @@ Kidnapping KidnappedRobot::kidnap(double most_m) {
   while (driven_m_ - start_m < most_m + kAfterwards_m) {
     step(driver);
     const double since_s = static_cast<double>(robot_.now_ns() - start_ns) * 1e-9;
-    const bool wrong = !slam_.lost() && isWrong(slam_.estimate().pose, placeInMap());
-    if (slam_.lost()) {
+    const bool wrong = !slam().lost() && isWrong(slam().estimate().pose, placeInMap());
+    if (slam().lost()) {
       if (result.lost_after_s < 0.0) {
         result.lost_after_s = since_s;
         lost_map = mapBytes();
@@ -172,7 +165,7 @@ Kidnapping KidnappedRobot::kidnap(double most_m) {
     }
     wrong_s = wrong && result.lost_after_s >= 0.0 ? wrong_s + 1.0 / robot_.scanRate_hz() : 0.0;
     result.longest_wrong_s = std::max(result.longest_wrong_s, wrong_s);
-    if (slam_.lost() || wrong) {
+    if (slam().lost() || wrong) {
       result.recovered_after_m = -1.0;
       held = false;
     } else if (!held) {

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <ram_slam/scan_matching/laser_odometry.hpp>
-#include <ram_slam/tracking/tracker.hpp>
-#include <ramscout_feature_detector/feature_detector.hpp>
-#include <ramscout_kinematics/kinematics.hpp>
+#include <ram_slam/estimation/fast_slam_estimator.hpp>
+
+#include "ramscout_bringup/slam_pipeline.hpp"
 
 #include "simulated_robot.hpp"
 
@@ -37,13 +36,15 @@ public:
   /// Puts the robot down at a random place of the tour and lets it drive on for up to `most_m`.
   Kidnapping kidnap(double most_m);
 
-  std::size_t landmarkCount() const { return slam_.filter().landmarks().landmarks.size(); }
+  std::size_t landmarkCount() const { return slam().filter().landmarks().landmarks.size(); }
   /// Root mean square error of the mapping tour's trajectory.
   double mappingError_m() const { return mapping_error_m_; }
   /// Distance of the estimate and where the robot is in its map.
   double error_m() const;
 
 private:
+  KidnappedRobot(const std::string& config, const SlamParameters& parameters, int seed);
+
   struct MappedPose {
     ram_slam::Pose2 truth;
     ram_slam::Pose2 estimate;
@@ -51,6 +52,10 @@ private:
 
   /// Advances to the next scan, driving the tour.
   void step(ramscout_sim::TourDriver& driver);
+  void estimate(const ram_slam::OdometryStep& refined);
+  const ram_slam::Tracker& slam() const {
+    return static_cast<const ram_slam::FastSlamEstimator&>(stage_.estimator()).slam();
+  }
   ramscout_sim::Tour tourFrom(double way_m, double side_m, bool back) const;
   /// Where the robot is in a map that is bent a little: from the nearest place of the mapping tour.
   ram_slam::Pose2 placeInMap() const;
@@ -58,10 +63,10 @@ private:
 
   ramscout_sim::Tour tour_;
   SimulatedRobot robot_;
-  ram_slam::LaserOdometry laser_odometry_;
+  ram_slam::OdometryStage odometry_;
   ramscout_feature_detector::FeatureDetector detector_;
   ramscout_kinematics::Kinematics kinematics_;
-  ram_slam::Tracker slam_;
+  ram_slam::EstimatorStage stage_;
   ram_slam::Random random_;
   ram_slam::Pose2 truth_;  ///< in the frame of the start
   std::optional<ram_slam::Pose2> last_truth_;

@@ -65,7 +65,7 @@ Recorded record(const std::string& config,
     FilterStep step;
     step.features = detector.detect(reading.scan, robot.baseFromLaser());
     step.odom_from_base = estimate.odom_from_base.pose;
-    step.reading = {std::move(reading.scan), robot.baseFromLaser()};
+    step.scan = {std::move(reading.scan), robot.baseFromLaser()};
     recorded.steps.push_back(std::move(step));
   }
   return recorded;
@@ -95,9 +95,9 @@ int main(int argc, char** argv) {
         const std::string name = "seed " + std::to_string(seed) + ", " +
                                  std::to_string(std::lround(recorded.length_m)) + " m, " + config;
         print(name + ", filter",
-              scoreFilter(parameters, Estimator::kFilter, recorded.steps, recorded.truth));
+              scoreFilter(parameters, Judged::kFilter, recorded.steps, recorded.truth));
         print(name + ", deployed",
-              scoreFilter(parameters, Estimator::kDeployed, recorded.steps, recorded.truth));
+              scoreFilter(parameters, Judged::kDeployed, recorded.steps, recorded.truth));
       }
     }
   } catch (const std::exception& error) {

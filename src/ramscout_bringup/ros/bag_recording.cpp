@@ -168,14 +168,14 @@ void BagRecording::take(const rosbag::MessageInstance& message) {
 }
 
 void BagRecording::takeScan(const sensor_msgs::LaserScan& message) {
-  ramscout_bringup::ScanReading reading{ram_slam_ros::toLaserScan(message), base_from_laser_};
+  ram_slam::MountedScan reading{ram_slam_ros::toLaserScan(message), base_from_laser_};
   if (upside_down_) reading.scan = ram_slam::mirrored(reading.scan);
-  push({reading.stampNs(), kScanSecond}, std::move(reading));
+  push({reading.scan.stamp_ns, kScanSecond}, std::move(reading));
   ++scan_count_;
 }
 
 void BagRecording::takeOdometry(std::int64_t stamp_ns, const ram_slam::Pose2& odom_from_base) {
-  push({stamp_ns, kOdometryFirst}, ramscout_bringup::OdometryReading{stamp_ns, odom_from_base});
+  push({stamp_ns, kOdometryFirst}, ram_slam::StampedPose2{stamp_ns, odom_from_base});
   ++odometry_count_;
 }
 

@@ -15,7 +15,7 @@ std::optional<Recording::Reading> CarmenRecording::next() {
     return log_.odometry[scan_];
   }
   odometry_given_ = false;
-  return ScanReading{std::move(log_.scans[scan_++]), log_.base_from_laser};
+  return ram_slam::MountedScan{std::move(log_.scans[scan_++]), log_.base_from_laser};
 }
 
 double CarmenRecording::progress() const {

@@ -70,7 +70,7 @@ TEST_F(CarmenLogTest, ReadsALaserLineFieldByField) {
   EXPECT_NEAR(log.scans[0].angle_increment_rad, M_PI_2, 1e-12);
   ASSERT_THAT(log.odometry, SizeIs(2));
   EXPECT_EQ(log.odometry[1].stamp_ns, log.scans[1].stamp_ns);
-  EXPECT_DOUBLE_EQ(log.odometry[1].odom_from_base.y_m, 3.0);
+  EXPECT_DOUBLE_EQ(log.odometry[1].pose.y_m, 3.0);
   EXPECT_TRUE(log.mount_is_known);
   EXPECT_NEAR(log.base_from_laser.x_m, 0.1, 1e-12);
   EXPECT_NEAR(log.base_from_laser.y_m, 0.0, 1e-12);

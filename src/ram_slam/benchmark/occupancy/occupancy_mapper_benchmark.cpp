@@ -64,10 +64,12 @@ void correctTrajectory(benchmark::State& state) {
     here.push_back({k + 1, poseAlongTour(k)});
     there.push_back({k + 1, Pose2{0.1, 0.05, 0.01} * poseAlongTour(k)});
   }
+  map.draw();
   bool moved = false;
   for (auto _ : state) {
     moved = !moved;
     benchmark::DoNotOptimize(map.correct(moved ? there : here));
+    map.draw();
   }
   state.SetComplexityN(state.range(0));
 }

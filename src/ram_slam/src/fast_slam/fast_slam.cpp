@@ -155,10 +155,15 @@ void FastSlam::check(const FeatureList& list) const {
   }
 }
 
-void FastSlam::update(const FeatureList& list, const MotionModel& motion, const FieldOfView* view) {
+void FastSlam::update(const FeatureList& list, const MotionModel& model, const FieldOfView* view) {
+  check(list);
+  update(list, motionStep(model, stamp_ns_, list.stamp_ns), view);
+}
+
+void FastSlam::update(const FeatureList& list, const MotionStep& step, const FieldOfView* view) {
   check(list);
   const std::vector<DescriptorPointer> descriptors = describe(list);
-  const Step moved = step(list.stamp_ns, motion);
+  const Step moved = prepare(step);
   // From here on nothing fails.
   const bool learns = isDue(list, moved);
   stamp_ns_ = list.stamp_ns;
@@ -203,12 +208,12 @@ DescriptorPointer FastSlam::describe(const std::string& type, const std::string&
   return by_looks != nullptr && !classifier.empty() ? by_looks->parse(classifier) : nullptr;
 }
 
-FastSlam::Step FastSlam::step(std::int64_t stamp_ns, const MotionModel& motion) const {
+FastSlam::Step FastSlam::prepare(const MotionStep& step) const {
   Step result;
   result.motion = since_learning_;
-  if (!started() || stamp_ns == stamp_ns_) return result;
+  if (!started() || step.to_ns == stamp_ns_) return result;
   if (parameters_.mode == FastSlamMode::kFastSlam2) {
-    result.since_list = motion.motion(stamp_ns_, stamp_ns);
+    result.since_list = step.motion;
     result.motion = since_learning_ * result.since_list;
     if (!result.motion.pose.isFinite() || !result.motion.covariance.allFinite()) {
       throw std::invalid_argument("the motion model gives a motion that is not finite");
@@ -216,8 +221,8 @@ FastSlam::Step FastSlam::step(std::int64_t stamp_ns, const MotionModel& motion) 
   } else {
     std::vector<Pose2> poses;
     for (const Particle& particle : particles_) poses.push_back(particle.map_from_base);
-    result.map_from_base =
-        motion.sample(poses, stamp_ns_, stamp_ns, Random(parameters_.seed, update_count_ + 1)());
+    result.map_from_base = step.model->sample(poses, stamp_ns_, step.to_ns,
+                                              Random(parameters_.seed, update_count_ + 1)());
     const bool finite = std::all_of(result.map_from_base.begin(), result.map_from_base.end(),
                                     [](const Pose2& pose) { return pose.isFinite(); });
     if (result.map_from_base.size() != particles_.size() || !finite) {

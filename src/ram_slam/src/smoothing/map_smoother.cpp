@@ -261,6 +261,7 @@ void MapSmoother::optimize() {
 }
 
 void MapSmoother::optimizeIfDue() {
+  if (parameters_.optimize_period_s == 0.0) return;
   const auto period_ns = static_cast<std::int64_t>(parameters_.optimize_period_s * 1e9);
   if (scans_.empty() || scans_.back().stamp_ns < optimized_ns_ + period_ns) return;
   // Not at the first closure of a place: those that follow it make the solution better.

@@ -12,7 +12,7 @@ void MapSmootherParameters::validate() const {
   loops.validate();
   graph.validate();
   refinement.validate();
-  requirePositive("optimize_period_s", optimize_period_s);
+  ram_parameters::require(optimize_period_s >= 0.0, "optimize_period_s", optimize_period_s, ">= 0");
   requirePositive("key_scan_distance_m", key_scan_distance_m);
   requirePositive("key_scan_angle_rad", key_scan_angle_rad);
   requirePositive("loop_search_distance_m", loop_search_distance_m);

@@ -109,14 +109,20 @@ Tracker::Tracker(const FastSlamParameters& filter,
       local_(recovery.local, matchers_) {}
 
 void Tracker::update(const FeatureList& features,
-                     const MotionModel& motion,
+                     const MotionModel& model,
                      std::shared_ptr<const FieldOfView> view) {
-  PoseWithCovariance2 moved;
-  if (started() && features.stamp_ns > stamp_ns_)
-    moved = motion.motion(stamp_ns_, features.stamp_ns);
+  const bool is_later = started() && features.stamp_ns > stamp_ns_;
+  update(features, motionStep(model, is_later ? stamp_ns_ : features.stamp_ns, features.stamp_ns),
+         std::move(view));
+}
+
+void Tracker::update(const FeatureList& features,
+                     const MotionStep& step,
+                     std::shared_ptr<const FieldOfView> view) {
+  const PoseWithCovariance2& moved = step.motion;
   const FeatureList list = seenAtOnce(features, moved.pose, features.stamp_ns - stamp_ns_);
   if (!parameters_.enabled) {
-    filter_.update(list, motion, view.get());
+    filter_.update(list, step, view.get());
     stamp_ns_ = list.stamp_ns;
     return;
   }
@@ -130,7 +136,7 @@ void Tracker::update(const FeatureList& features,
     search(list, moved, {stamp_ns_, local_from_base_, std::move(view)});
     return;
   }
-  filter_.update(list, motion, view.get());
+  filter_.update(list, step, view.get());
   // From here on nothing fails.
   stamp_ns_ = list.stamp_ns;
   local_from_base_ = local_from_base_ * moved.pose;

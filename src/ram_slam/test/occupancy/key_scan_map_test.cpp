@@ -37,6 +37,7 @@ Pose2 corrected(int k) {
 KeyScanMap mapOfTenScans(PoseAtIndex pose) {
   KeyScanMap map(OccupancyMapperParameters{});
   for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), pose(k), kBaseFromLaser, kLastBeam);
+  map.draw();
   return map;
 }
 
@@ -71,6 +72,7 @@ TEST(KeyScanMap, CorrectedMapEqualsOneDrawnFromTheCorrectedPoses) {
   Trajectory trajectory;
   for (int k = 0; k < 10; ++k) trajectory.push_back({100 * k, corrected(k)});
   EXPECT_EQ(map.correct(trajectory), 9);  // the first pose is the same
+  map.draw();
   EXPECT_EQ(map.mapper().grid().cells, truth.mapper().grid().cells);
   EXPECT_EQ(map.correct(trajectory), 0);
 }
@@ -78,6 +80,7 @@ TEST(KeyScanMap, CorrectedMapEqualsOneDrawnFromTheCorrectedPoses) {
 TEST(KeyScanMap, ScansBetweenThePosesOfATrajectoryAreInterpolated) {
   KeyScanMap map = mapOfTenScans(believed);
   EXPECT_EQ(map.correct({{0, {0.0, 0.0, M_PI_2}}, {900, {0.0, 2.25, M_PI_2}}}), 10);
+  map.draw();
   const KeyScanMap truth = mapOfTenScans([](int k) { return Pose2{0.0, 0.25 * k, M_PI_2}; });
   expectNearlySameCells(map.mapper(), truth.mapper());
 }
@@ -86,6 +89,7 @@ TEST(KeyScanMap, ScansAfterTheCorrectionMoveRigidlyWithItAndEarlierOnesStay) {
   KeyScanMap map = mapOfTenScans(believed);
   const Pose2 shift{0.0, 1.0, 0.3};
   EXPECT_EQ(map.correct({{500, shift * believed(5)}, {600, shift * believed(6)}}), 5);
+  map.draw();
   const KeyScanMap expected = mapOfTenScans([](int k) {
     return k < 5 ? believed(k) : Pose2{0.0, 1.0, 0.3} * believed(k);
   });
@@ -97,6 +101,7 @@ TEST(KeyScanMap, KeepsAsManyScansAsItMayAndTheMapOfAll) {
   parameters.max_scan_count = 4;
   KeyScanMap map(parameters);
   for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), believed(k), kBaseFromLaser, kLastBeam);
+  map.draw();
   EXPECT_EQ(map.scanCount(), 4u);
   EXPECT_EQ(map.settledCount(), 6u);
   EXPECT_EQ(map.mapper().grid().cells, mapOfTenScans(believed).mapper().grid().cells);
@@ -107,10 +112,34 @@ TEST(KeyScanMap, BadTrajectoriesAndLateScansAreRefusedAndChangeNothing) {
   const std::uint64_t revision = map.mapper().revision();
   EXPECT_THROW(map.correct({{900, {}}, {0, {}}}), std::invalid_argument);
   EXPECT_THROW(map.correct({{0, {std::nan(""), 0.0, 0.0}}}), std::invalid_argument);
-  EXPECT_THROW(map.correct({{0, {1e9, 0.0, 0.0}}, {900, {1e9, 0.0, 0.0}}}), std::invalid_argument);
   EXPECT_THROW(map.add(scanAt(900), {5.0, 0.0, 0.0}, {}), std::invalid_argument);
   EXPECT_EQ(map.correct({}), 0);
+  map.draw();
   EXPECT_EQ(map.mapper().revision(), revision);
+}
+
+TEST(KeyScanMap, ScansThatCannotBeDrawnWhereTheyBelongStayWhereTheyWere) {
+  KeyScanMap map = mapOfTenScans(believed);
+  const std::uint64_t revision = map.mapper().revision();
+  EXPECT_EQ(map.correct({{0, {1e9, 0.0, 0.0}}, {900, {1e9, 0.0, 0.0}}}), 10);
+  int failures = 0;
+  map.draw([&](std::int64_t, const std::exception&) { ++failures; });
+  EXPECT_EQ(failures, 10);
+  EXPECT_EQ(map.scanCount(), 10u);
+  EXPECT_EQ(map.mapper().revision(), revision);
+  EXPECT_EQ(map.draw().hit, 0);
+}
+
+TEST(KeyScanMap, ScanWhosePoseChangesBeforeItIsDrawnIsDrawnOnce) {
+  KeyScanMap map(OccupancyMapperParameters{});
+  map.add(scanAt(100), {}, {});
+  EXPECT_EQ(map.mapper().grid().width, 0);
+  map.correct({{100, {0.001, 0.0, 0.0}}, {200, {0.001, 0.0, 0.0}}});  // less than a correction
+  map.draw();
+  KeyScanMap truth(OccupancyMapperParameters{});
+  truth.add(scanAt(100), {0.001, 0.0, 0.0}, {});
+  truth.draw();
+  EXPECT_EQ(map.mapper().grid().cells, truth.mapper().grid().cells);
 }
 
 }  // namespace

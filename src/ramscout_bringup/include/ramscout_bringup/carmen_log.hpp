@@ -19,7 +19,7 @@ struct CarmenLog {
   std::vector<ram_slam::LaserScan> scans;
   /// One per scan, at its stamp: the pose that the laser's line carries. Empty if the log's
   /// odometry never moves.
-  std::vector<OdometryReading> odometry;
+  std::vector<ram_slam::StampedPose2> odometry;
   /// The laser's mount, from the two poses of each laser line; identity if they do not differ by a
   /// constant.
   ram_slam::Pose2 base_from_laser;

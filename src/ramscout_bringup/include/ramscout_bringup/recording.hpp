@@ -1,36 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "ram_slam/geometry/pose2.hpp"
-#include "ram_slam/sensing/laser_scan.hpp"
+#include "ram_slam/stages/scan_synchroniser.hpp"
 
 namespace ramscout_bringup {
-
-/// What the odometry said at one instant.
-struct OdometryReading {
-  std::int64_t stamp_ns = 0;
-  ram_slam::Pose2 odom_from_base;
-};
-
-/// One scan and where the laser was mounted when it was taken.
-struct ScanReading {
-  ram_slam::LaserScan scan;
-  ram_slam::Pose2 base_from_laser;
-
-  std::int64_t stampNs() const { return scan.stamp_ns; }
-};
 
 /// A robot's log as the sensors wrote it, in the order of the stamps; of equal stamps odometry
 /// comes first.
 class Recording {
 public:
-  using Reading = std::variant<OdometryReading, ScanReading>;
+  /// Odometry (odom_from_base at an instant), or a scan with its mount.
+  using Reading = std::variant<ram_slam::StampedPose2, ram_slam::MountedScan>;
 
   virtual ~Recording() = default;
 

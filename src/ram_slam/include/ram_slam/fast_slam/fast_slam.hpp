@@ -17,7 +17,7 @@
 #include "ram_slam/geometry/random.hpp"
 #include "ram_slam/landmarks/feature.hpp"
 #include "ram_slam/landmarks/landmark_map.hpp"
-#include "ram_slam/motion/motion_model.hpp"
+#include "ram_slam/motion/motion_step.hpp"
 #include "ram_slam/sensing/field_of_view.hpp"
 
 namespace ram_slam {
@@ -54,10 +54,11 @@ public:
   /// no landmark is ever doubted \throws std::invalid_argument if the list is older than the last
   /// one or a feature is not finite or its covariance
   ///         not symmetric and positive definite
-  /// \throws std::out_of_range as MotionModel::motion()
-  void update(const FeatureList& list,
-              const MotionModel& motion,
-              const FieldOfView* view = nullptr);
+  /// \param step  the motion since stamp_ns(), anything before the first list
+  /// \throws std::out_of_range as MotionModel::sample() (fast_slam_1)
+  void update(const FeatureList& list, const MotionStep& step, const FieldOfView* view = nullptr);
+  /// The same, asking the model for the motion. \throws std::out_of_range as MotionModel::motion()
+  void update(const FeatureList& list, const MotionModel& model, const FieldOfView* view = nullptr);
 
   /// \throws std::invalid_argument if update() would because of this list
   void check(const FeatureList& list) const;
@@ -132,7 +133,7 @@ private:
     double passed = 0.0;      ///< ... shows that there is nothing
   };
 
-  Step step(std::int64_t stamp_ns, const MotionModel& motion) const;
+  Step prepare(const MotionStep& step) const;
   void move(const Step& step);
   std::vector<DescriptorPointer> describe(const FeatureList& list) const;
   /// Null without a matcher for the type or without a classifier.

@@ -62,8 +62,13 @@ public:
           FeatureMatchers matchers = {});
 
   /// As FastSlam::update(), the features made seenAtOnce(). If it throws nothing has changed.
+  /// \param step  the motion since stamp_ns(), the identity before the first list
   void update(const FeatureList& features,
-              const MotionModel& motion,
+              const MotionStep& step,
+              std::shared_ptr<const FieldOfView> view = nullptr);
+  /// The same, asking the model for the motion. \throws std::out_of_range as MotionModel::motion()
+  void update(const FeatureList& features,
+              const MotionModel& model,
               std::shared_ptr<const FieldOfView> view = nullptr);
 
   bool started() const { return stamp_ns_ != 0; }

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/estimation/estimator.hpp"
+#include "ram_slam/landmarks/feature_matcher.hpp"
+
+namespace ram_slam {
+
+/// Makes an estimator that knows nothing yet; called again when the clock is set back or a user
+/// asks for a reset.
+using EstimatorFactory = std::function<std::unique_ptr<Estimator>()>;
+
+/// Reads the estimator's own parameters, once. \throws std::invalid_argument if one is refused
+using EstimatorReader =
+    std::function<EstimatorFactory(ram_parameters::ParameterReader& reader, FeatureMatchers)>;
+
+/// Adds an estimator under a name; one of that name is replaced.
+void registerEstimator(const std::string& name, EstimatorReader read);
+
+/// \throws std::invalid_argument naming the known ones if there is none of that name
+const EstimatorReader& findEstimator(const std::string& name);
+
+/// In alphabetical order.
+std::vector<std::string> estimatorNames();
+
+}  // namespace ram_slam

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ram_slam/estimation/estimator_registry.hpp"
+#include "ram_slam/tracking/tracker.hpp"
+
+namespace ram_slam {
+
+/// FastSLAM with recovery (Tracker) as an Estimator.
+class FastSlamEstimator : public Estimator {
+public:
+  /// \throws std::invalid_argument as Tracker
+  FastSlamEstimator(const FastSlamParameters& filter,
+                    const RecoveryParameters& recovery,
+                    FeatureMatchers matchers)
+      : slam_(filter, recovery, std::move(matchers)) {}
+
+  void update(const FeatureList& features,
+              const MotionStep& step,
+              std::shared_ptr<const FieldOfView> view) override {
+    slam_.update(features, step, std::move(view));
+  }
+  std::int64_t stamp_ns() const override { return slam_.stamp_ns(); }
+  PoseWithCovariance2 estimate() const override { return slam_.estimate(); }
+  std::vector<Pose2> hypotheses() const override;
+  Trajectory trajectory() const override { return slam_.filter().trajectory(); }
+  LandmarkMap landmarks() const override { return slam_.filter().landmarks(); }
+  bool isLost() const override { return slam_.lost(); }
+  std::string state() const override;
+  std::vector<std::pair<std::string, double>> health() const override;
+  void setPose(const PoseWithCovariance2& map_from_base) override { slam_.setPose(map_from_base); }
+  Pose2 followTrajectory(const Trajectory& corrected) override {
+    return slam_.followTrajectory(corrected);
+  }
+  void forgetPose() override { slam_.forgetPose(); }
+  void setMap(const LandmarkMap& map) override { slam_.setMap(map); }
+  Checkpoint checkpoint() const override { return slam_.checkpoint(); }
+  void restore(const Checkpoint& checkpoint) override { slam_.restore(checkpoint); }
+
+  /// For tools that look into the filter.
+  const Tracker& slam() const { return slam_; }
+
+private:
+  Tracker slam_;
+};
+
+/// Reads config/fast_slam.yaml. \throws std::invalid_argument if a parameter is refused
+EstimatorFactory readFastSlamEstimator(ram_parameters::ParameterReader& reader,
+                                       FeatureMatchers matchers);
+
+}  // namespace ram_slam

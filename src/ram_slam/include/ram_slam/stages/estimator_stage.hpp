@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/estimation/estimator_registry.hpp"
+#include "ram_slam/motion/gap_bridge.hpp"
+#include "ram_slam/motion/motion_step.hpp"
+#include "ram_slam/stages/drop_counter.hpp"
+
+namespace ram_slam {
+
+/// Which readings the estimator takes in.
+struct EstimatorStageParameters {
+  double minimum_distance_m = 0.0;
+  double minimum_angle_rad = 0.0;
+  double longest_pause_s = 10.0;
+
+  static const ram_parameters::ParameterTable<EstimatorStageParameters>& table();
+  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
+  void validate() const { table().check(*this); }
+};
+
+/// From features and motion to the pose: asks for the motion up to a reading once and hands it on
+/// as a value, bridges gaps of the odometry, updates the estimator, and lets it follow corrected
+/// trajectories.
+///
+/// For each reading: motionUntil(); without a motion bridgeGap(); if isDue() update(); then
+/// followCorrection().
+class EstimatorStage {
+public:
+  /// \param model  outlives this
+  EstimatorStage(EstimatorFactory make,
+                 const MotionModel& model,
+                 const EstimatorStageParameters& parameters);
+
+  /// The motion since the estimator's last reading; nothing if the model does not know it (yet).
+  /// Begins again with an empty map if the clock was set back.
+  std::optional<MotionStep> motionUntil(std::int64_t stamp_ns);
+  /// Why motionUntil() gave nothing.
+  const std::string& missingMotion() const { return missing_motion_; }
+  /// The motion up to this stamp will not become known: the reading is dropped, and the next one
+  /// continues from here. \param moved  since the estimator's last reading, if known otherwise
+  void bridgeGap(std::int64_t stamp_ns, const std::optional<Pose2>& moved = std::nullopt);
+
+  /// Whether the estimator shall take in the reading at the end of this step.
+  bool isDue(const MotionStep& step) const;
+  /// \return false if the estimator refused the features, which are counted as dropped
+  bool update(const FeatureList& features,
+              const MotionStep& step,
+              std::shared_ptr<const FieldOfView> view);
+  /// map_from_base at the end of a step, whether the estimator took that reading in or not.
+  Pose2 poseAt(const MotionStep& step) const;
+
+  /// Keeps a smoothed trajectory until it can be followed: until the reading at its newest stamp
+  /// was dealt with and the robot is not lost. A newer one replaces it.
+  void addCorrection(Trajectory smoothed) { correction_ = std::move(smoothed); }
+  /// Follows the kept trajectory if that is possible now.
+  /// \return the corrected trajectory in the map frame, if one was followed
+  std::optional<Trajectory> followCorrection();
+  /// Follows a smoothed trajectory at once. \return it in the map frame
+  /// \throws as Estimator::followTrajectory()
+  Trajectory follow(Trajectory smoothed);
+
+  /// Begins again with an empty map.
+  void reset();
+  /// How often the clock was set back or reset() was called.
+  int resetCount() const { return reset_count_; }
+
+  const Estimator& estimator() const { return *estimator_; }
+  Estimator& estimator() { return *estimator_; }
+  const DropCounter& drops() const { return drops_; }
+  DropCounter& drops() { return drops_; }
+
+private:
+  EstimatorFactory make_;
+  const MotionModel& model_;
+  EstimatorStageParameters parameters_;
+  GapBridge motion_;
+  std::unique_ptr<Estimator> estimator_;
+  std::string missing_motion_;
+  std::int64_t reached_ns_ = 0;  ///< stamp of the newest reading whose motion was known
+  bool bridges_ = false;
+  std::optional<Trajectory> correction_;
+  int reset_count_ = 0;
+  DropCounter drops_;
+};
+
+}  // namespace ram_slam

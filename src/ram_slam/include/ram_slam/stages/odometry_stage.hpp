@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "ram_slam/calibration/stamp_offset.hpp"
+#include "ram_slam/scan_matching/laser_odometry.hpp"
+#include "ram_slam/stages/scan_synchroniser.hpp"
+
+namespace ram_slam {
+
+/// A scan and the odometry that was refined by it, or the wheels' pose as it is.
+struct OdometryStep {
+  MountedScan scan;
+  LaserOdometryEstimate estimate;
+};
+
+/// From wheels and scans to refined odometry: waits for the wheels around each scan, aligns the
+/// scan, and learns the offset between their stamps and the wheels' bias.
+class OdometryStage {
+public:
+  /// \param refines  false: scans only wait for the wheels, which pass as they are
+  /// \throws std::invalid_argument as LaserOdometryParameters::validate()
+  explicit OdometryStage(const LaserOdometryParameters& parameters, bool refines = true);
+
+  void add(MountedScan scan) { scans_.add(std::move(scan)); }
+  /// \return whether the reading is used
+  bool addWheels(const StampedPose2& odom_from_base);
+  /// No wheels come any more: next() deals with all scans that still wait.
+  void finish() { scans_.finish(); }
+
+  /// The next scan whose wheels are known; nothing if it still waits.
+  std::optional<OdometryStep> next();
+
+  bool hasWheels() const { return scans_.hasOdometry(); }
+  /// Learned so far: how much later than a scan's stamp its wheels are taken.
+  std::int64_t stampOffset_ns() const { return stamp_offset_.offset_ns(); }
+  /// Scans that contradicted the wheels.
+  std::size_t slipCount() const { return slip_count_; }
+  /// How often the clock was set back and everything began again.
+  int resetCount() const { return scans_.resetCount(); }
+  const DropCounter& drops() const { return scans_.drops(); }
+  DropCounter& drops() { return scans_.drops(); }
+
+private:
+  OdometryStep refine(SynchronisedScan ready);
+
+  LaserOdometryParameters parameters_;
+  bool refines_;
+  ScanSynchroniser scans_;
+  LaserOdometry odometry_;
+  StampOffset stamp_offset_;
+  std::size_t slip_count_ = 0;
+  int reset_count_ = 0;  ///< that odometry_ has followed
+};
+
+}  // namespace ram_slam

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "ram_slam/geometry/trajectory.hpp"
+#include "ram_slam/smoothing/map_smoother.hpp"
+#include "ram_slam/stages/scan_synchroniser.hpp"
+
+namespace ram_slam {
+
+/// A scan was smoothed.
+struct SmoothingStep {
+  std::int64_t stamp_ns = 0;
+  /// The pose of the base at every scan so far, if a loop closure or an optimisation moved it: the
+  /// estimator follows it.
+  std::optional<Trajectory> correction;
+};
+
+/// From scans, odometry and features to a corrected trajectory: waits for the odometry of each
+/// scan, and decides when to optimise and when to publish.
+class SmoothingStage {
+public:
+  /// \throws std::invalid_argument as MapSmootherParameters::validate()
+  SmoothingStage(const MapSmootherParameters& parameters, const FeatureMatchers& matchers);
+
+  void add(MountedScan scan) { scans_.add(std::move(scan)); }
+  void addOdometry(const StampedPose2& odom_from_base) { scans_.add(odom_from_base); }
+  void addFeatures(const FeatureList& list) { smoother_.addFeatures(list); }
+
+  /// Takes in the next scan whose odometry is known; nothing if it still waits.
+  std::optional<SmoothingStep> next();
+  /// Optimises everything now. \return the trajectory
+  Trajectory optimize();
+  /// Refuses the newest accepted closure and optimises.
+  /// \return its index; nothing, and nothing changes, if there is none
+  std::optional<std::size_t> undoClosure();
+
+  const MapSmoother& smoother() const { return smoother_; }
+  /// How often the clock was set back and everything began again.
+  int resetCount() const { return scans_.resetCount(); }
+  const DropCounter& drops() const { return scans_.drops(); }
+  DropCounter& drops() { return scans_.drops(); }
+
+private:
+  MapSmootherParameters parameters_;
+  FeatureMatchers matchers_;
+  ScanSynchroniser scans_;
+  MapSmoother smoother_;
+  int reset_count_ = 0;  ///< that smoother_ has followed
+};
+
+}  // namespace ram_slam

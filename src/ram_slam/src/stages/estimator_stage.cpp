@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/stages/estimator_stage.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "ram_slam/geometry/motion_gate.hpp"
+#include "ram_slam/stages/clock_guard.hpp"
+
+namespace ram_slam {
+
+using ram_parameters::atLeast;
+using ram_parameters::positive;
+
+const ram_parameters::ParameterTable<EstimatorStageParameters>& EstimatorStageParameters::table() {
+  using P = EstimatorStageParameters;
+  static const auto table =
+      ram_parameters::ParameterTable<P>()
+          .expert(
+              "Which readings the estimator takes in: all by default; run_bag leaves out those "
+              "between which the robot hardly moves")
+          .add("minimum_distance_m", &P::minimum_distance_m, "m", atLeast(0.0),
+               "A reading is taken in after so much motion,")
+          .add("minimum_angle_rad", &P::minimum_angle_rad, "rad", atLeast(0.0),
+               "or so much turning,")
+          .add("longest_pause_s", &P::longest_pause_s, "s", positive(),
+               "or so much time since the one before.");
+  return table;
+}
+
+EstimatorStage::EstimatorStage(EstimatorFactory make,
+                               const MotionModel& model,
+                               const EstimatorStageParameters& parameters)
+    : make_(std::move(make)),
+      model_(model),
+      parameters_((parameters.validate(), parameters)),
+      motion_(model),
+      estimator_(make_()) {}
+
+void EstimatorStage::reset() {
+  estimator_ = make_();
+  motion_.forget();
+  bridges_ = false;
+  correction_.reset();
+  reached_ns_ = 0;
+  ++reset_count_;
+}
+
+std::optional<MotionStep> EstimatorStage::motionUntil(std::int64_t stamp_ns) {
+  if (ClockGuard::isSetBack(estimator_->stamp_ns(), stamp_ns)) reset();
+  try {
+    // The first reading does not need a motion, but the second one needs it from here on.
+    if (!estimator_->started()) model_.motion(stamp_ns, stamp_ns);
+    const bool is_later = estimator_->started() && stamp_ns > estimator_->stamp_ns();
+    const MotionStep step =
+        motionStep(motion_, is_later ? estimator_->stamp_ns() : stamp_ns, stamp_ns);
+    reached_ns_ = stamp_ns;
+    return step;
+  } catch (const std::out_of_range& error) {
+    missing_motion_ = error.what();
+    return std::nullopt;
+  }
+}
+
+void EstimatorStage::bridgeGap(std::int64_t stamp_ns, const std::optional<Pose2>& moved) {
+  drops_.add(DropReason::kNoMotion, stamp_ns, missing_motion_);
+  motion_.interruptedUntil(stamp_ns, moved);
+  bridges_ = true;
+}
+
+bool EstimatorStage::isDue(const MotionStep& step) const {
+  if (!estimator_->started() || bridges_) return true;
+  const double pause_s = 1e-9 * static_cast<double>(step.to_ns - estimator_->stamp_ns());
+  return pause_s >= parameters_.longest_pause_s ||
+         MotionGate{parameters_.minimum_distance_m, parameters_.minimum_angle_rad}.isReachedBy(
+             step.motion.pose);
+}
+
+bool EstimatorStage::update(const FeatureList& features,
+                            const MotionStep& step,
+                            std::shared_ptr<const FieldOfView> view) {
+  try {
+    estimator_->update(features, step, std::move(view));
+  } catch (const std::out_of_range& error) {
+    drops_.add(DropReason::kNoMotion, step.to_ns, error.what());
+    return false;
+  } catch (const std::exception& error) {
+    const bool is_late = step.to_ns < estimator_->stamp_ns();
+    drops_.add(is_late ? DropReason::kNotLater : DropReason::kInvalidFeatures, step.to_ns,
+               error.what());
+    return false;
+  }
+  motion_.forget();
+  bridges_ = false;
+  return true;
+}
+
+Pose2 EstimatorStage::poseAt(const MotionStep& step) const {
+  const Pose2 pose = estimator_->estimate().pose;
+  return step.to_ns <= estimator_->stamp_ns() ? pose : pose * step.motion.pose;
+}
+
+std::optional<Trajectory> EstimatorStage::followCorrection() {
+  if (!correction_ || !estimator_->started() || estimator_->isLost()) return std::nullopt;
+  if (!correction_->empty() && correction_->back().stamp_ns > reached_ns_) return std::nullopt;
+  Trajectory smoothed = std::move(*correction_);
+  correction_.reset();
+  const std::int64_t stamp_ns = smoothed.empty() ? reached_ns_ : smoothed.back().stamp_ns;
+  try {
+    return follow(std::move(smoothed));
+  } catch (const std::exception& error) {
+    drops_.add(DropReason::kInvalidTrajectory, stamp_ns, error.what());
+    return std::nullopt;
+  }
+}
+
+Trajectory EstimatorStage::follow(Trajectory smoothed) {
+  const Pose2 map_from_smoothed = estimator_->followTrajectory(smoothed);
+  for (StampedPose2& stamped : smoothed) stamped.pose = map_from_smoothed * stamped.pose;
+  return smoothed;
+}
+
+}  // namespace ram_slam

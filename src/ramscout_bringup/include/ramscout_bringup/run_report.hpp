@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+#include <nlohmann/json.hpp>
+
+#include "ram_slam/stages/drop_counter.hpp"
+#include "ram_slam/stages/estimator_stage.hpp"
+#include "ram_slam/stages/mapping_stage.hpp"
+#include "ram_slam/stages/odometry_stage.hpp"
+#include "ram_slam/stages/smoothing_stage.hpp"
+#include "ramscout_bringup/results.hpp"
+
+namespace ramscout_bringup {
+
+/// What stages dropped, as a list with reason, count, stamps of the first and the last one [s] and
+/// what exactly was wrong with the last one.
+nlohmann::ordered_json toJson(const ram_slam::DropCounter& drops);
+
+/// Collects during a run what its summary.json states at the end.
+class RunReport {
+public:
+  /// Where the run stands at its end.
+  struct Run {
+    const ram_slam::OdometryStage& odometry;
+    const ram_slam::EstimatorStage& estimator;
+    const ram_slam::SmoothingStage& smoothing;
+    const ram_slam::MappingStage& mapping;
+    const Results& results;
+    bool uses_laser_odometry;
+    bool smooths;
+  };
+
+  void addWheels(const ram_slam::StampedPose2& odom_from_base);
+  /// Of one reading that the estimator was given.
+  void addFeatures(std::size_t count);
+  /// The estimator lost its place.
+  void addLoss() { ++lost_count_; }
+
+  nlohmann::ordered_json summary(const Run& run) const;
+
+private:
+  /// The laser's mount, the wheels' scale and the offset between their stamps, as far as the drive
+  /// shows them; null if it does not.
+  nlohmann::ordered_json calibration(const Run& run) const;
+
+  Trajectory wheels_;  ///< thinned
+  std::size_t feature_count_ = 0;
+  std::size_t list_count_ = 0;
+  int lost_count_ = 0;
+};
+
+}  // namespace ramscout_bringup

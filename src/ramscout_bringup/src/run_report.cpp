@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_bringup/run_report.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "ram_slam/calibration/mount_calibration.hpp"
+#include "ramscout_bringup/evaluation.hpp"
+
+namespace ramscout_bringup {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Wheels are kept for the calibration at 50 Hz, which interpolation does not see.
+constexpr std::int64_t kCalibrationStepNs = 20'000'000;
+
+std::size_t acceptedClosures(const ram_slam::MapSmoother& smoother) {
+  return static_cast<std::size_t>(std::count_if(
+      smoother.closures().begin(), smoother.closures().end(),
+      [](const auto& closure) { return closure.state == ram_slam::ClosureState::kAccepted; }));
+}
+
+const char* motionSource(const RunReport::Run& run) {
+  if (!run.odometry.hasWheels()) return "scans alone: there is no odometry";
+  return run.uses_laser_odometry ? "odometry and scans" : "odometry alone";
+}
+
+}  // namespace
+
+ordered_json toJson(const ram_slam::DropCounter& drops) {
+  ordered_json list = ordered_json::array();
+  for (const ram_slam::Drops& row : drops.all()) {
+    list.push_back({{"reason", toText(row.reason)},
+                    {"count", row.count},
+                    {"first_s", 1e-9 * static_cast<double>(row.first_ns)},
+                    {"last_s", 1e-9 * static_cast<double>(row.last_ns)},
+                    {"last_detail", row.detail}});
+  }
+  return list;
+}
+
+void RunReport::addWheels(const ram_slam::StampedPose2& odom_from_base) {
+  if (wheels_.empty() || odom_from_base.stamp_ns - wheels_.back().stamp_ns >= kCalibrationStepNs)
+    wheels_.push_back(odom_from_base);
+}
+
+void RunReport::addFeatures(std::size_t count) {
+  feature_count_ += count;
+  ++list_count_;
+}
+
+ordered_json RunReport::summary(const Run& run) const {
+  const Results& results = run.results;
+  const Trajectory& online = results.trajectory_online;
+  ordered_json summary = {
+      {"motion_from", motionSource(run)},
+      {"poses", results.trajectory.size()},
+      {"duration_s", static_cast<double>(online.back().stamp_ns - online.front().stamp_ns) * 1e-9},
+      {"distance_m", pathLength(results.trajectory)},
+      {"features_per_scan", static_cast<double>(feature_count_) /
+                                static_cast<double>(std::max<std::size_t>(list_count_, 1))},
+      {"landmarks", results.landmarks.size()},
+      {"loop_closures", run.smooths ? acceptedClosures(run.smoothing.smoother()) : 0},
+      {"scans_with_wheel_slip", run.odometry.slipCount()},
+      {"times_lost", lost_count_},
+      {"key_scans", run.mapping.scanCount()},
+      {"clock_resets", run.odometry.resetCount()},
+      {"dropped",
+       {{"odometry", toJson(run.odometry.drops())},
+        {"estimator", toJson(run.estimator.drops())},
+        {"smoothing", toJson(run.smoothing.drops())},
+        {"mapping", toJson(run.mapping.drops())}}}};
+  if (run.smooths && run.odometry.hasWheels()) summary["calibration"] = calibration(run);
+  return summary;
+}
+
+ordered_json RunReport::calibration(const Run& run) const {
+  Trajectory map_from_laser;
+  for (const ram_slam::KeyScan& key : run.smoothing.smoother().keyScans())
+    map_from_laser.push_back({key.stamp_ns, key.map_from_laser});
+  const auto found = ram_slam::calibrateMount(wheels_, map_from_laser);
+  if (!found) return nullptr;
+  const auto with = [](double value, double sigma) {
+    return ordered_json{{"value", value}, {"sigma", sigma}};
+  };
+  return {{"laser_x_m", with(found->base_from_laser.x_m, found->mount_sigma[0])},
+          {"laser_y_m", with(found->base_from_laser.y_m, found->mount_sigma[1])},
+          {"laser_yaw_rad", with(found->base_from_laser.yaw_rad, found->mount_sigma[2])},
+          {"odometry_distance_ratio", with(found->distance_ratio, found->distance_ratio_sigma)},
+          {"odometry_turn_ratio", with(found->turn_ratio, found->turn_ratio_sigma)},
+          {"scan_stamp_offset_s", found->stamp_offset_s},
+          {"scan_stamp_offset_used_s", 1e-9 * static_cast<double>(run.odometry.stampOffset_ns())},
+          {"motions", found->interval_count},
+          {"motions_with_slip", found->slip_count}};
+}
+
+}  // namespace ramscout_bringup
