@@ -12,14 +12,15 @@ namespace {
 
 using ramscout_sim::RobotParameters;
 
-ramscout_sim::RobotDescription loadRobot(const RobotParameters& robot) {
-  if (!robot.robot.empty()) return ramscout_sim::readRobot(robot.robot, robot.laser_frame);
+ramscout_sim::RobotDescription loadRobot(const RobotParameters& robot,
+                                         const ramscout_sim::RobotLimits& limits) {
+  if (!robot.robot.empty()) return ramscout_sim::readRobot(robot.robot, robot.laser_frame, limits);
   std::string urdf;
   if (!ros::param::get("robot_description", urdf)) {
     throw std::invalid_argument(
         "neither the parameter robot nor robot_description is set: which robot?");
   }
-  return ramscout_sim::parseRobot(urdf, robot.laser_frame);
+  return ramscout_sim::parseRobot(urdf, robot.laser_frame, limits);
 }
 
 }  // namespace
@@ -31,7 +32,7 @@ std::vector<ramscout_sim::FleetMember> loadMembers(
     ramscout_sim::FleetMember member;
     member.parameters = parameters.simulation;
     member.parameters.seed += static_cast<int>(members.size());
-    member.robot = loadRobot(robot);
+    member.robot = loadRobot(robot, parameters.robot_limits);
     member.start = world.start;
     if (!robot.start.empty()) member.start = {robot.start[0], robot.start[1], robot.start[2]};
     if (!robot.tour.empty()) member.tour = ramscout_sim::readTour(robot.tour);

@@ -11,27 +11,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// How often a wait checks whether ROS is shutting down.
-constexpr std::chrono::milliseconds kPatience(50);
-// While partners are starting, a scan may have reached none of them: no long wait for the first
-// answer.
-constexpr double kFirstAnswer_s = 0.5;
-
 Clock::time_point inSeconds(double duration_s) {
   return Clock::now() + std::chrono::milliseconds(static_cast<std::int64_t>(duration_s * 1e3));
 }
 
 }  // namespace
 
-LockStep::LockStep(ros::NodeHandle& node, const ramscout_sim::LockStepParameters& parameters)
+LockStep::LockStep(ros::NodeHandle& node,
+                   const ramscout_sim::LockStepParameters& parameters,
+                   int queue_length)
     : parameters_(parameters), latest_stamps_(parameters.topics.size()) {
-  constexpr std::uint32_t kQueue = 100;
   for (std::size_t i = 0; i < parameters_.topics.size(); ++i) {
     const boost::function<void(const HeaderOnly&)> callback = [this, i](const HeaderOnly& message) {
       onMessage(i, message);
     };
     subscribers_.push_back(node.subscribe<HeaderOnly>(
-        parameters_.topics[i], kQueue,
+        parameters_.topics[i], static_cast<std::uint32_t>(queue_length),
         boost::function<void(const boost::shared_ptr<const HeaderOnly>&)>(
             [callback](const boost::shared_ptr<const HeaderOnly>& message) { callback(*message); }),
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
@@ -70,7 +65,7 @@ void LockStep::waitForStart(const ros::Publisher& scans) {
   const Clock::time_point deadline = inSeconds(parameters_.start_timeout_s);
   while (ros::ok() && !allConnected(scans)) {
     if (Clock::now() >= deadline) {
-      ROS_WARN("Lock step: not every topic has a publisher; starting all the same");
+      ROS_WARN("Lock step: not every topic has a publisher yet; starting without");
       return;
     }
     ros::WallDuration(0.02).sleep();
@@ -90,18 +85,19 @@ void LockStep::waitFor(const ros::Time& scan_stamp) {
   std::unique_lock<std::mutex> lock(mutex_);
   const bool answered_before = std::none_of(latest_stamps_.begin(), latest_stamps_.end(),
                                             [](const ros::Time& stamp) { return stamp.isZero(); });
-  const double timeout_s =
-      answered_before ? parameters_.timeout_s : std::min(kFirstAnswer_s, parameters_.timeout_s);
+  const double timeout_s = answered_before
+                               ? parameters_.timeout_s
+                               : std::min(parameters_.first_answer_s, parameters_.timeout_s);
   const Clock::time_point deadline = inSeconds(timeout_s);
   const int resets = resets_;
   while (ros::ok() && resets == resets_ && !unanswered(scan_stamp).empty()) {
     if (Clock::now() >= deadline) {
       ROS_WARN_STREAM("Lock step: no answer to the scan of "
                       << scan_stamp << " s within " << timeout_s << " s on"
-                      << unanswered(scan_stamp) << "; going on");
+                      << unanswered(scan_stamp) << "; the simulation continues without");
       return;
     }
-    answered_.wait_for(lock, kPatience);
+    answered_.wait_for(lock, std::chrono::duration<double>(parameters_.poll_s));
   }
 }
 

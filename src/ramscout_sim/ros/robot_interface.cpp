@@ -17,9 +17,6 @@
 namespace ramscout_sim_ros {
 namespace {
 
-constexpr double kProgressStep = 1e-3;
-constexpr double kQuarrel_s = 2.0;  // two commanders within this fight
-
 std::string inNamespace(const std::string& name, const std::string& top) {
   return name.empty() ? top : top.empty() ? name : top + "/" + name;
 }
@@ -28,23 +25,25 @@ std::string inNamespace(const std::string& name, const std::string& top) {
 
 RobotInterface::RobotInterface(const std::string& name,
                                const ramscout_sim::FleetMember& member,
+                               const ramscout_sim::TopicParameters& topics,
                                Access access)
     : prefix_(name.empty() ? "" : name + "/"),
       robot_(member.robot),
       parameters_(member.parameters),
+      topics_(topics),
       has_tour_(member.tour.has_value()),
       access_(std::move(access)),
       node_(name),
       private_node_(inNamespace(name, "~")) {
-  constexpr std::uint32_t kQueue = 100;
-  scan_ = node_.advertise<sensor_msgs::LaserScan>("scan", kQueue);
-  odometry_ = node_.advertise<nav_msgs::Odometry>("odom", kQueue);
-  joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", kQueue);
-  ground_truth_ = node_.advertise<nav_msgs::Odometry>("ground_truth", kQueue);
-  faults_ = node_.advertise<std_msgs::String>("faults", kQueue);
-  collision_ = node_.advertise<std_msgs::Bool>("collision", kQueue, true);
+  const auto queue = static_cast<std::uint32_t>(topics.queue_length);
+  scan_ = node_.advertise<sensor_msgs::LaserScan>("scan", queue);
+  odometry_ = node_.advertise<nav_msgs::Odometry>("odom", queue);
+  joints_ = node_.advertise<sensor_msgs::JointState>("joint_states", queue);
+  ground_truth_ = node_.advertise<nav_msgs::Odometry>("ground_truth", queue);
+  faults_ = node_.advertise<std_msgs::String>("faults", queue);
+  collision_ = node_.advertise<std_msgs::Bool>("collision", queue, true);
   if (has_tour_) {
-    progress_ = node_.advertise<std_msgs::Float32>("tour_progress", kQueue, true);
+    progress_ = node_.advertise<std_msgs::Float32>("tour_progress", queue, true);
   } else {
     command_ = node_.subscribe("cmd_vel", 10, &RobotInterface::onCommand, this,
                                ros::TransportHints().tcpNoDelay());
@@ -72,7 +71,7 @@ void RobotInterface::publish(const ramscout_sim::Outputs& outputs,
   }
   for (const ramscout_sim::RefusedFault& refused : outputs.refused_faults) {
     ROS_WARN_STREAM("Fault " << ramscout_sim::toYaml(refused.fault)
-                             << " is impossible: " << refused.reason);
+                             << " was not injected, impossible: " << refused.reason);
   }
   if (outputs.scan)
     scan_.publish(toMessage(*outputs.scan, parameters_.lidar, prefix_ + robot_.laser_frame));
@@ -88,7 +87,7 @@ void RobotInterface::publishState(const ramscout_sim::Simulation& simulation) {
   }
   if (!has_tour_) return;
   const double progress = simulation.tourProgress();
-  if (progress < published_progress_ + kProgressStep &&
+  if (progress < published_progress_ + topics_.progress_step &&
       !(progress == 1.0 && published_progress_ < 1.0))
     return;
   std_msgs::Float32 message;
@@ -120,7 +119,7 @@ void RobotInterface::onCommand(const ros::MessageEvent<geometry_msgs::Twist cons
 void RobotInterface::warnOfOtherCommander(const std::string& commander) {
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!commander_.empty() && commander != commander_ &&
-      (now - commanded_at_).toSec() < kQuarrel_s) {
+      (now - commanded_at_).toSec() < topics_.rival_command_s) {
     ROS_WARN_STREAM_THROTTLE(5.0, command_.getTopic() << ": both " << commander_ << " and "
                                                       << commander << " command; the last wins");
   }

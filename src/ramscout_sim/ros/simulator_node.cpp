@@ -13,12 +13,6 @@
 #include "ramscout_sim/ros/load_members.hpp"
 
 namespace ramscout_sim_ros {
-namespace {
-
-constexpr double kMaxStep_s = 3600.0;
-
-}  // namespace
-
 SimulatorNode::SimulatorNode(ram_parameters::ParameterReader& reader)
     : parameters_(ramscout_sim::readSimulatorNodeParameters(reader)),
       world_(parameters_.world.empty() ? ramscout_sim::World()
@@ -26,7 +20,7 @@ SimulatorNode::SimulatorNode(ram_parameters::ParameterReader& reader)
       members_(loadMembers(parameters_, world_)),
       fleet_(members_, world_),
       real_time_factor_(parameters_.real_time_factor),
-      lock_step_(node_, parameters_.lock_step) {
+      lock_step_(node_, parameters_.lock_step, parameters_.topics.queue_length) {
   advertise();
   restartPace();
   for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -56,10 +50,11 @@ SimulatorNode::~SimulatorNode() {
 }
 
 void SimulatorNode::advertise() {
-  clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 100);
+  clock_ = node_.advertise<rosgraph_msgs::Clock>(
+      "/clock", static_cast<std::uint32_t>(parameters_.topics.queue_length));
   for (std::size_t i = 0; i < members_.size(); ++i) {
     robots_.push_back(std::make_unique<RobotInterface>(
-        parameters_.robots[i].name, members_[i],
+        parameters_.robots[i].name, members_[i], parameters_.topics,
         [this, i](const std::function<void(ramscout_sim::Simulation&)>& use) {
           const std::lock_guard<FairMutex> lock(mutex_);
           use(fleet_[i]);
@@ -131,17 +126,17 @@ void SimulatorNode::restartPace() {
 /// Sleeps while the simulation is ahead of the wanted rate; a simulation that was late does not
 /// hurry afterwards.
 void SimulatorNode::keepPace() {
-  constexpr double kLate_s = 0.1;
   double ahead_s = 0.0;
   {
     const std::lock_guard<FairMutex> lock(mutex_);
     if (real_time_factor_ == 0.0) return;
     const double simulated_s = static_cast<double>(fleet_.now_ns() - pace_start_ns_) * 1e-9;
     ahead_s = simulated_s / real_time_factor_ - (ros::SteadyTime::now() - pace_wall_start_).toSec();
-    if (ahead_s < -kLate_s) restartPace();
+    if (ahead_s < -parameters_.late_s) restartPace();
   }
   if (ahead_s > 1e-3)
-    std::this_thread::sleep_for(std::chrono::duration<double>(std::min(ahead_s, 0.1)));
+    std::this_thread::sleep_for(
+        std::chrono::duration<double>(std::min(ahead_s, parameters_.late_s)));
 }
 
 bool SimulatorNode::onPause(std_srvs::SetBool::Request& request,
@@ -187,8 +182,9 @@ bool SimulatorNode::onStep(ramscout_sim::Step::Request& request,
                            ramscout_sim::Step::Response& response) {
   std::unique_lock<FairMutex> lock(mutex_);
   response.now = toRosTime(fleet_.now_ns());
-  if (!(request.duration > 0.0 && request.duration <= kMaxStep_s)) {
-    response.message = "duration must be in (0, 3600] s, got " + std::to_string(request.duration);
+  if (!(request.duration > 0.0 && request.duration <= parameters_.max_step_s)) {
+    response.message = "duration must be in (0, " + std::to_string(parameters_.max_step_s) +
+                       "] s, got " + std::to_string(request.duration);
     return true;
   }
   if (!paused_) {

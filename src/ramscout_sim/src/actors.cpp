@@ -3,20 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace ramscout_sim {
 namespace {
-
-constexpr double kPeriod_s = 0.01;
-constexpr double kMemory_s = 0.25;
-constexpr double kPersonRadius_m = 0.3;
-constexpr double kPersonCaution_m = 0.2;
-constexpr double kDoorCaution_m = 0.03;
-constexpr double kLegRadius_m = 0.08;
-constexpr double kHipWidth_m = 0.24;
-constexpr double kStride_m = 1.4;  // both steps
-constexpr double kTorsoRadius_m = 0.18;
 
 double lengthOf(const Person& person) {
   double length_m = 0.0;
@@ -59,17 +50,18 @@ Solid cylinder(const Pose2& pose, double radius_m, double bottom_m, double top_m
 
 /// Two legs that swing as far as the person has walked, and what they carry.
 void appendPerson(const Person& person,
-                  double length_m,
+                  const Pose2& pose,
                   double walked_m,
+                  const ActorParameters& parameters,
                   std::vector<Solid>& solids) {
-  const Pose2 pose = placeOf(person, length_m, walked_m);
+  const double stride_m = parameters.stride_m;
   const double hip_m = 0.5 * person.height_m;
-  const double swing_m = 0.25 * kStride_m * std::sin(2.0 * M_PI * walked_m / kStride_m);
+  const double swing_m = 0.25 * stride_m * std::sin(2.0 * M_PI * walked_m / stride_m);
   for (const double side : {1.0, -1.0}) {
-    const Pose2 person_from_leg{side * swing_m, side * 0.5 * kHipWidth_m, 0.0};
-    solids.push_back(cylinder(pose * person_from_leg, kLegRadius_m, 0.0, hip_m));
+    const Pose2 person_from_leg{side * swing_m, side * 0.5 * parameters.hip_width_m, 0.0};
+    solids.push_back(cylinder(pose * person_from_leg, parameters.leg_radius_m, 0.0, hip_m));
   }
-  solids.push_back(cylinder(pose, kTorsoRadius_m, hip_m, person.height_m));
+  solids.push_back(cylinder(pose, parameters.torso_radius_m, hip_m, person.height_m));
   for (std::size_t i = solids.size() - 3; i < solids.size(); ++i)
     solids[i].material = person.material;
 }
@@ -101,10 +93,34 @@ bool isInTheWay(const Footprint& robot, double margin_m, double now_m, double ne
 
 }  // namespace
 
-Actors::Actors(const World& world) {
-  constexpr double kForEver_s = 1e9;
+const ram_parameters::ParameterTable<ActorParameters>& ActorParameters::table() {
+  using namespace ram_parameters;
+  using P = ActorParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("period_s", &P::period_s, "s", positive(),
+               "How often people, doors, other robots and the driver of a tour react.")
+          .add("memory_s", &P::memory_s, "s", positive(),
+               "How long their poses are kept; at least the sweep of a lidar.")
+          .add("touch_range_m", &P::touch_range_m, "m", positive(),
+               "Those nearer to the chassis than this can be touched by it.")
+          .add("person_radius_m", &P::person_radius_m, "m", positive(),
+               "Of the circle that a walking person needs.")
+          .add("person_caution_m", &P::person_caution_m, "m", atLeast(0.0),
+               "Distance that people keep to robots.")
+          .add("door_caution_m", &P::door_caution_m, "m", atLeast(0.0),
+               "Distance that the leaves of doors keep to robots.")
+          .add("leg_radius_m", &P::leg_radius_m, "m", positive(), "Of a person's legs.")
+          .add("hip_width_m", &P::hip_width_m, "m", positive(),
+               "Between the middles of a person's legs.")
+          .add("stride_m", &P::stride_m, "m", positive(), "Way of both steps.")
+          .add("torso_radius_m", &P::torso_radius_m, "m", positive(), "Of a person's body.");
+  return table;
+}
+
+Actors::Actors(const World& world, const ActorParameters& parameters) : parameters_(parameters) {
   for (const Person& person : world.people)
-    people_.push_back({person, kForEver_s, lengthOf(person), 0.0});
+    people_.push_back({person, std::numeric_limits<double>::infinity(), lengthOf(person), 0.0});
   for (const Door& door : world.doors) {
     Leaf leaf{door, door.openness, door.openness, 0};
     std::stable_sort(leaf.door.schedule.begin(), leaf.door.schedule.end(),
@@ -147,8 +163,8 @@ void Actors::setGuests(std::vector<Solid> guests) {
 }
 
 bool Actors::advance(double now_s, const std::vector<Footprint>& robots) {
-  constexpr double kRounding_s = 1e-6;
-  if (now_s < advanced_to_s_ + kPeriod_s - kRounding_s) return false;
+  constexpr double kRounding_s = 1e-6;  // of sums of steps; far below any step
+  if (now_s < advanced_to_s_ + parameters_.period_s - kRounding_s) return false;
   step(now_s, now_s - advanced_to_s_, robots);
   advanced_to_s_ = now_s;
   remember(now_s);
@@ -167,7 +183,7 @@ void Actors::step(double now_s, double duration_s, const std::vector<Footprint>&
     const Pose2 here = placeOf(walker.person, walker.length_m, walker.walked_m);
     const Pose2 there = placeOf(walker.person, walker.length_m, next_m);
     const bool waits = std::any_of(robots.begin(), robots.end(), [&](const Footprint& robot) {
-      return isInTheWay(robot, kPersonRadius_m + kPersonCaution_m,
+      return isInTheWay(robot, parameters_.person_radius_m + parameters_.person_caution_m,
                         (Eigen::Vector2d(here.x_m, here.y_m) - robot.center_m).norm(),
                         (Eigen::Vector2d(there.x_m, there.y_m) - robot.center_m).norm());
     });
@@ -182,7 +198,7 @@ void Actors::step(double now_s, double duration_s, const std::vector<Footprint>&
         duration_s * leaf.door.turn_speed_radps / std::abs(leaf.door.open_angle_rad);
     const double next = leaf.openness + std::clamp(leaf.wanted - leaf.openness, -most, most);
     const bool waits = std::any_of(robots.begin(), robots.end(), [&](const Footprint& robot) {
-      return isInTheWay(robot, 0.5 * leaf.door.thickness_m + kDoorCaution_m,
+      return isInTheWay(robot, 0.5 * leaf.door.thickness_m + parameters_.door_caution_m,
                         distanceToLeaf(leaf.door, leaf.openness, robot.center_m),
                         distanceToLeaf(leaf.door, next, robot.center_m));
     });
@@ -193,7 +209,8 @@ void Actors::step(double now_s, double duration_s, const std::vector<Footprint>&
 std::vector<Solid> Actors::solids() const {
   std::vector<Solid> solids;
   for (const Walker& walker : people_)
-    appendPerson(walker.person, walker.length_m, walker.walked_m, solids);
+    appendPerson(walker.person, placeOf(walker.person, walker.length_m, walker.walked_m),
+                 walker.walked_m, parameters_, solids);
   for (const Leaf& leaf : doors_) solids.push_back(leafOf(leaf.door, leaf.openness));
   solids.insert(solids.end(), guests_.begin(), guests_.end());
   return solids;
@@ -204,7 +221,8 @@ void Actors::remember(double now_s) {
   sample.time_s = now_s;
   for (const Solid& solid : solids()) sample.poses.push_back(solid.world_from_solid);
   history_.push_back(std::move(sample));
-  while (history_.size() > 2 && history_[1].time_s < now_s - kMemory_s) history_.pop_front();
+  while (history_.size() > 2 && history_[1].time_s < now_s - parameters_.memory_s)
+    history_.pop_front();
 }
 
 Eigen::Isometry3d Actors::poseAt(std::size_t solid, double time_s) const {

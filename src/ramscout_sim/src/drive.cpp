@@ -10,8 +10,6 @@
 namespace ramscout_sim {
 namespace {
 
-constexpr double kStands_mps = 1e-3;
-
 double approach(double value, double target, double largest_change) {
   return value + std::clamp(target - value, -largest_change, largest_change);
 }
@@ -33,7 +31,10 @@ const ram_parameters::ParameterTable<DriveParameters>& DriveParameters::table() 
           .add("max_turn_acceleration_radps2", &P::max_turn_acceleration_radps2, "rad/s^2",
                positive(), "Fastest change of the turn speed.")
           .add("command_timeout_s", &P::command_timeout_s, "s", positive(),
-               "Simulated time after which a command counts as zero.");
+               "Simulated time after which a command counts as zero.")
+          .expert("Steering")
+          .add("standing_speed_mps", &P::standing_speed_mps, "m/s", positive(),
+               "Slower commands leave the steering of a car as it is.");
   return table;
 }
 
@@ -109,7 +110,7 @@ WheelMotion Drive::advance(const Twist2& wanted, double duration_s) {
 }
 
 void Drive::steer(const Twist2& wanted, double duration_s) {
-  if (std::abs(wanted.forward_mps) < kStands_mps) return;
+  if (std::abs(wanted.forward_mps) < limits_.standing_speed_mps) return;
   const double curvature_per_m = std::clamp(wanted.turn_radps / wanted.forward_mps,
                                             -max_curvature_per_m_, max_curvature_per_m_);
   steering_rad_ = approach(steering_rad_, std::atan(curvature_per_m * wheelbase_m_),

@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_parameters/require.hpp"
+#include "ramscout_sim/robot_description.hpp"
 
 namespace ramscout_sim {
 namespace {
@@ -21,8 +23,6 @@ struct Rule {
   double largest_amount;
   const char* amount_bound;
 };
-
-constexpr double kAnyForce_n = 1e300;
 
 const std::array<Rule, 21> kRules = {{
     {FaultKind::kScanDropout, "scan_dropout", false, -10.0, 10.0, "in [-10, 10]"},
@@ -39,7 +39,8 @@ const std::array<Rule, 21> kRules = {{
     {FaultKind::kFloorFriction, "floor_friction", false, 0.0, 10.0, "in [0, 10]"},
     {FaultKind::kMotorsDead, "motors_dead", false, -10.0, 10.0, "in [-10, 10]"},
     {FaultKind::kPush, "push", true, -10.0, 10.0, "in [-10, 10] m"},
-    {FaultKind::kShove, "shove", false, -kAnyForce_n, kAnyForce_n, "finite"},
+    {FaultKind::kShove, "shove", false, -std::numeric_limits<double>::max(),
+     std::numeric_limits<double>::max(), "finite"},
     {FaultKind::kPayload, "payload", false, 0.0, 1000.0, "in [0, 1000] kg"},
     {FaultKind::kKidnap, "kidnap", true, -10.0, 10.0, "in [-10, 10]"},
     {FaultKind::kLift, "lift", false, 0.0, 3.0, "in [0, 3] m"},
@@ -91,9 +92,10 @@ void Fault::validate() const {
   require(amount >= rule.least_amount && amount <= rule.largest_amount, "amount", amount,
           rule.amount_bound);
   for (const double coordinate : {pose.x_m, pose.y_m, pose.yaw_rad})
-    require(std::abs(coordinate) <= 1e5, "pose", coordinate, "finite and within 100 km");
-  constexpr double kLargestRobot_m = 5.0;
-  require(kind != FaultKind::kPayload || std::hypot(pose.x_m, pose.y_m) <= kLargestRobot_m, "pose",
+    require(std::abs(coordinate) <= kLargestCoordinate_m, "pose", coordinate,
+            "finite and within 100 km");
+  const double largest_robot_m = RobotLimits().max_size_m;
+  require(kind != FaultKind::kPayload || std::hypot(pose.x_m, pose.y_m) <= largest_robot_m, "pose",
           std::hypot(pose.x_m, pose.y_m), "on the robot, within 5 m of its base frame");
   if (kind == FaultKind::kDoor && target.empty())
     throw std::invalid_argument("target must name a door");

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_sim/fleet.hpp"
 
+#include <cmath>
 #include <stdexcept>
+#include <string>
 
 namespace ramscout_sim {
-namespace {
-
-/// How often robots notice where the others are.
-constexpr std::int64_t kPeriod_ns = 10'000'000;
-
-}  // namespace
-
 Fleet::Fleet(const std::vector<FleetMember>& members, const World& world) {
   if (members.empty()) throw std::invalid_argument("a fleet needs a robot");
+  period_ns_ = std::llround(members.front().parameters.actors.period_s * 1e9);
   for (const FleetMember& member : members) {
     World own = world;
     own.start = member.start;
@@ -33,14 +29,14 @@ Fleet::Fleet(const std::vector<FleetMember>& members, const World& world) {
 }
 
 std::vector<Outputs> Fleet::step() {
-  if (now_ns() >= introduced_ns_ + kPeriod_ns) introduce();
+  if (now_ns() >= introduced_ns_ + period_ns_) introduce();
   std::vector<Outputs> outputs;
   outputs.reserve(robots_.size());
   for (Simulation& robot : robots_) outputs.push_back(robot.step());
   return outputs;
 }
 
-/// Tells each robot where the others are.
+/// Shows each robot where the others are.
 void Fleet::introduce() {
   introduced_ns_ = now_ns();
   if (robots_.size() == 1) return;

@@ -9,8 +9,9 @@
 namespace ramscout_sim {
 namespace {
 
-constexpr std::size_t kBlock =
-    64;  // counters at a time: the compiler makes vector code of the loops
+// Counters at a time, a multiple of every vector register's lanes: the compiler makes vector code
+// of the loops.
+constexpr std::size_t kBlock = 64;
 using Words = std::array<std::uint32_t, kBlock>;
 
 /// Counters side by side: counter j is (x0[j], x1[j], x2[j], x3[j]).
@@ -28,15 +29,14 @@ void encrypt(std::uint32_t* x0,
              std::uint32_t* x2,
              std::uint32_t* x3,
              std::array<std::uint32_t, 2> key) {
-  constexpr std::uint32_t kMultiplier0 = 0xD2511F53U;
-  constexpr std::uint32_t kMultiplier1 = 0xCD9E8D57U;
-  constexpr int kRounds = 10;
-  for (int round = 0; round < kRounds; ++round) {
+  // Multipliers and key increments of Philox 4x32-10 (Salmon et al., 2011): ten rounds.
+  constexpr std::array<std::uint32_t, 2> kMultipliers = {0xD2511F53U, 0xCD9E8D57U};
+  for (int round = 0; round < 10; ++round) {
     for (std::size_t j = 0; j < kCount; ++j) {
-      const std::uint32_t high0 = highProduct(kMultiplier0, x0[j]);
-      const std::uint32_t high1 = highProduct(kMultiplier1, x2[j]);
-      const std::uint32_t low0 = kMultiplier0 * x0[j];
-      const std::uint32_t low1 = kMultiplier1 * x2[j];
+      const std::uint32_t high0 = highProduct(kMultipliers[0], x0[j]);
+      const std::uint32_t high1 = highProduct(kMultipliers[1], x2[j]);
+      const std::uint32_t low0 = kMultipliers[0] * x0[j];
+      const std::uint32_t low1 = kMultipliers[1] * x2[j];
       x0[j] = high1 ^ x1[j] ^ key[0];
       x2[j] = high0 ^ x3[j] ^ key[1];
       x1[j] = low1;
@@ -122,11 +122,11 @@ std::array<std::uint32_t, 4> philox(const std::array<std::uint32_t, 4>& counter,
 }
 
 std::vector<float> gaussians(Random key, std::size_t count) {
-  constexpr std::size_t kPerBlock = 4 * kBlock;
-  const std::size_t blocks = (count + kPerBlock - 1) / kPerBlock;
+  constexpr std::size_t per_block = 4 * kBlock;  // a counter gives four
+  const std::size_t blocks = (count + per_block - 1) / per_block;
   const std::uint64_t key_bits = key.bits();
   const std::uint64_t stream_bits = key.bits();
-  std::vector<float> numbers(blocks * kPerBlock);
+  std::vector<float> numbers(blocks * per_block);
   for (std::size_t block = 0; block < blocks; ++block) {
     Counters c;
     for (std::size_t j = 0; j < kBlock; ++j)
@@ -137,7 +137,7 @@ std::vector<float> gaussians(Random key, std::size_t count) {
     encrypt<kBlock>(
         c.x0.data(), c.x1.data(), c.x2.data(), c.x3.data(),
         {static_cast<std::uint32_t>(key_bits), static_cast<std::uint32_t>(key_bits >> 32)});
-    float* out = numbers.data() + block * kPerBlock;
+    float* out = numbers.data() + block * per_block;
     boxMuller(c.x0, c.x1, out, out + kBlock);
     boxMuller(c.x2, c.x3, out + 2 * kBlock, out + 3 * kBlock);
   }

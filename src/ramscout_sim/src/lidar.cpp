@@ -118,7 +118,7 @@ double Lidar::bias_m(std::uint64_t scan_index) const {
 
 /// Adds noise and bias, rounds and replaces what is out of range by infinity.
 void Lidar::toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) const {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double infinity = std::numeric_limits<double>::infinity();
   // Adding it leaves no bit for fractions: what comes out is rounded to a whole number.
   constexpr double kRounder = 0x1.8p52;
   const LidarParameters p = parameters_;  // a copy: the compiler then makes vector code
@@ -136,9 +136,9 @@ void Lidar::toReadings(std::vector<float>& ranges_m, std::uint64_t scan_index) c
     const double range_m = true_m + sigma_m * noise[beam] + bias_m;
     const double rounded_m = (range_m * steps_per_m + kRounder - kRounder) * p.range_resolution_m;
     const double reading_m = steps_per_m > 0.0 ? rounded_m : range_m;
-    const double low_m = reading_m < p.range_min_m ? -kInfinity : reading_m;
-    const double high_m = low_m > p.range_max_m ? kInfinity : low_m;
-    ranges[beam] = static_cast<float>(ranges[beam] > p.range_max_m ? kInfinity : high_m);
+    const double low_m = reading_m < p.range_min_m ? -infinity : reading_m;
+    const double high_m = low_m > p.range_max_m ? infinity : low_m;
+    ranges[beam] = static_cast<float>(ranges[beam] > p.range_max_m ? infinity : high_m);
   }
 }
 

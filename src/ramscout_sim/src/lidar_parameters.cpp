@@ -119,10 +119,34 @@ void addLight(ParameterTable<P>& table) {
       .add("beam_divergence_rad", &P::beam_divergence_rad, "rad", within(0.0, 0.1),
            "Half angle of a beam's footprint; 0: no mixed pixels. Hokuyo: about 0.0013.")
       .add("pulse_length_m", &P::pulse_length_m, "m", atLeast(0.0),
-           "Echoes of one beam less apart than this mix, of others the strongest counts.");
+           "Echoes of one beam less apart than this mix, of others the strongest counts.")
+      .expert("How light is followed")
+      .section("light", &P::light, LightParameters::table());
 }
 
 }  // namespace
+
+const ParameterTable<LightParameters>& LightParameters::table() {
+  using namespace ram_parameters;
+  using Light = LightParameters;
+  static const auto table =
+      ParameterTable<Light>()
+          .add("white_reflectivity", &Light::white_reflectivity, "", aboveUpTo(0.0, 1.0),
+               "Reflectivity of the wall that half_detection_range_m is stated for.")
+          .add("detection_steepness", &Light::detection_steepness, "", positive(),
+               "Chance of an answer: 1 / (1 + (half strength / strength)^steepness).")
+          .add("edge_m", &Light::edge_m, "m", positive(),
+               "Neighbouring readings that differ more have an edge between them.")
+          .add("beyond_range_m", &Light::beyond_range_m, "m", atLeast(0.0),
+               "How far beyond range_max_m surfaces can still make an edge.")
+          .add("footprint_rays", &Light::footprint_rays, "", within(2, 100),
+               "Rays that stand for the footprint of a beam at an edge.")
+          .add("max_surfaces", &Light::max_surfaces, "", within(1, 1000),
+               "Most surfaces that one beam passes or is mirrored by.")
+          .add("behind_surface_m", &Light::behind_surface_m, "m", positive(),
+               "How far behind a surface light goes on, so that it does not meet it again.");
+  return table;
+}
 
 const ParameterTable<LidarParameters>& LidarParameters::table() {
   static const auto table = [] {

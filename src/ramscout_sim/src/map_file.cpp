@@ -12,8 +12,6 @@
 namespace ramscout_sim {
 namespace {
 
-constexpr double kLargestCoordinate_m = 1e5;
-
 struct Picture {
   int width = 0;
   int height = 0;

@@ -132,22 +132,21 @@ std::vector<Solid> extrude(const MapImage& map, double height_m) {
   return solids;
 }
 
-MapImage drawMap(const World& world, double height_m, double resolution_m) {
+MapImage drawMap(const World& world, double height_m, double resolution_m, double margin_m) {
   if (!(resolution_m > 0.0)) throw std::invalid_argument("resolution_m must be > 0");
-  constexpr double kMargin_m = 1.0;
   const Eigen::AlignedBox3d bounds = boundsOf(world);
   MapImage map;
   map.resolution_m = resolution_m;
-  map.world_from_map.x_m = std::floor((bounds.min().x() - kMargin_m) / resolution_m) * resolution_m;
-  map.world_from_map.y_m = std::floor((bounds.min().y() - kMargin_m) / resolution_m) * resolution_m;
+  map.world_from_map.x_m = std::floor((bounds.min().x() - margin_m) / resolution_m) * resolution_m;
+  map.world_from_map.y_m = std::floor((bounds.min().y() - margin_m) / resolution_m) * resolution_m;
   const Eigen::Vector3d extent = bounds.sizes();
-  if (extent.head<2>().maxCoeff() + 2.0 * kMargin_m > kLargestMapSide_cells * resolution_m) {
+  if (extent.head<2>().maxCoeff() + 2.0 * margin_m > kLargestMapSide_cells * resolution_m) {
     throw std::invalid_argument(
         "the map of this world would have more than 16384 cells on a side; take a larger "
         "resolution_m");
   }
-  map.width_cells = static_cast<int>(std::ceil((extent.x() + 2.0 * kMargin_m) / resolution_m)) + 1;
-  map.height_cells = static_cast<int>(std::ceil((extent.y() + 2.0 * kMargin_m) / resolution_m)) + 1;
+  map.width_cells = static_cast<int>(std::ceil((extent.x() + 2.0 * margin_m) / resolution_m)) + 1;
+  map.height_cells = static_cast<int>(std::ceil((extent.y() + 2.0 * margin_m) / resolution_m)) + 1;
   map.cells.assign(static_cast<std::size_t>(map.width_cells) * map.height_cells, Cell::kUnknown);
   for (const Solid& solid : world.solids) {
     if (solid.shape != Shape::kMesh) {

@@ -147,10 +147,9 @@ std::vector<std::vector<Eigen::Vector2d>> outlinesOf(const MapImage& map, double
   return outlines;
 }
 
-Solid extrudeOutlines(const MapImage& map, double height_m) {
-  constexpr double kTolerance_cells = 1.0;  // the steps of a slanted wall are less off its line
+Solid extrudeOutlines(const MapImage& map, double height_m, double tolerance_cells) {
   auto mesh = std::make_shared<TriangleMesh>();
-  for (const std::vector<Eigen::Vector2d>& outline : outlinesOf(map, kTolerance_cells)) {
+  for (const std::vector<Eigen::Vector2d>& outline : outlinesOf(map, tolerance_cells)) {
     const unsigned first = static_cast<unsigned>(mesh->vertices_m.size());
     const unsigned count = static_cast<unsigned>(outline.size());
     for (const Eigen::Vector2d& corner : outline) {

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <new>
 #include <stdexcept>
 
@@ -20,7 +21,7 @@
 namespace ramscout_sim {
 namespace {
 
-constexpr float kLargestCoordinate_m = 1e4F;
+// 1 GiB: twenty million triangles of a binary STL file.
 constexpr std::uintmax_t kLargestFile_bytes = 1ULL << 30;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
@@ -63,7 +64,7 @@ const aiScene* import(Assimp::Importer& importer, const std::string& path) {
       Assimp::Importer importer;
       import(importer, path);
     } catch (...) {
-      _exit(0);  // the parent will meet it, too, and say so
+      _exit(0);  // the parent will meet it, too, and report it
     }
     _exit(0);
   }
@@ -97,14 +98,14 @@ void append(const aiMesh& part, bool y_up, TriangleMesh& mesh) {
 
 /// Leaves out vertices that no triangle uses.
 TriangleMesh compacted(const TriangleMesh& mesh) {
-  constexpr unsigned kUnused = ~0U;
-  std::vector<unsigned> renamed(mesh.vertices_m.size(), kUnused);
+  const unsigned unused = std::numeric_limits<unsigned>::max();
+  std::vector<unsigned> renamed(mesh.vertices_m.size(), unused);
   TriangleMesh used;
   for (const auto& triangle : mesh.triangles) {
     std::array<unsigned, 3> corners{};
     for (std::size_t i = 0; i < 3; ++i) {
       unsigned& name = renamed[triangle[i]];
-      if (name == kUnused) {
+      if (name == unused) {
         name = static_cast<unsigned>(used.vertices_m.size());
         used.vertices_m.push_back(mesh.vertices_m[triangle[i]]);
       }
@@ -135,7 +136,7 @@ TriangleMesh readMesh(const std::string& path) {
   TriangleMesh mesh = compacted(all);
   if (mesh.triangles.empty()) refuse(path, "has no triangles");
   for (const Eigen::Vector3f& vertex : mesh.vertices_m) {
-    if (!(vertex.cwiseAbs().maxCoeff() <= kLargestCoordinate_m)) {
+    if (!(vertex.cwiseAbs().maxCoeff() <= static_cast<float>(kLargestModel_m))) {
       refuse(path, "has a vertex that is not finite or beyond 10 km; are the units metres?");
     }
   }

@@ -9,27 +9,25 @@
 #include <type_traits>
 #include <utility>
 
+#include "precision.hpp"
+
 namespace ramscout_sim {
 namespace {
 
-/// Packets of sixteen rays for AVX-512; with narrower registers those of eight are faster.
-struct Sixteen {
-  static constexpr int kWidth = 16;
-  using Packet = RTCRayHit16;
-  static constexpr auto kIntersect = rtcIntersect16;
-};
-struct Eight {
-  static constexpr int kWidth = 8;
-  using Packet = RTCRayHit8;
-  static constexpr auto kIntersect = rtcIntersect8;
-};
+/// How many rays a packet of Embree's holds.
+template <typename Packet>
+constexpr int kWidthOf = std::extent_v<decltype(decltype(Packet::ray)::org_x)>;
 
-/// Embree takes components below 1e-18 for positive when it inverts them, but not when it sorts
-/// rays by sign: a packet with a tiny negative one misses what it should hit.
+void intersect(const int* valid, RTCScene scene, RTCIntersectContext* context, RTCRayHit16* rays) {
+  rtcIntersect16(valid, scene, context, rays);
+}
+void intersect(const int* valid, RTCScene scene, RTCIntersectContext* context, RTCRayHit8* rays) {
+  rtcIntersect8(valid, scene, context, rays);
+}
+
+/// A packet with a tiny negative component misses what it should hit.
 void copyDirections(const float* from, int count, float* to) {
-  static constexpr float kSmallest = 1e-12F;
-  std::transform(from, from + count, to,
-                 [](float x) { return std::abs(x) < kSmallest ? kSmallest : x; });
+  std::transform(from, from + count, to, nonzero);
 }
 
 template <typename Packet>
@@ -56,19 +54,19 @@ float planeDistance(const Packet& packet, std::size_t i, const Solid& solid) {
   const Eigen::Vector3d origin(ray.org_x[i], ray.org_y[i], ray.org_z[i]);
   const Eigen::Vector3d direction(ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]);
   const double distance_m = normal.dot(corner - origin) / normal.dot(direction);
-  constexpr double kBelievable_m = 0.1;  // or the ray lies in the plane
+  // Grazing rays are millimetres off; those that lie in the plane itself end anywhere.
+  constexpr double kBelievable_m = 0.1;
   const float found_m = ray.tfar[i];
   return std::abs(distance_m - found_m) < kBelievable_m ? static_cast<float>(distance_m) : found_m;
 }
 
-/// Single precision places a surface to a micrometre, which a grazing ray sees as millimetres: how
-/// far such rays go is computed again.
-template <int kPacket, typename Packet>
+/// How far grazing rays go is computed again.
+template <typename Packet>
 void refine(const std::vector<Solid>& meshes, int count, Packet& packet) {
-  constexpr float kGrazing = 0.02F;  // cosine of the incidence
+  constexpr std::size_t packet_size = kWidthOf<Packet>;
   const auto& [ray, hit] = packet;
-  std::array<int, kPacket> grazing;
-  for (std::size_t i = 0; i < kPacket; ++i) {
+  std::array<int, packet_size> grazing;
+  for (std::size_t i = 0; i < packet_size; ++i) {
     const float across =
         hit.Ng_x[i] * ray.dir_x[i] + hit.Ng_y[i] * ray.dir_y[i] + hit.Ng_z[i] * ray.dir_z[i];
     const float square =
@@ -168,36 +166,37 @@ void MeshScene::trace(const Rays& rays, float farthest_m, std::vector<Hit>& hits
 template <typename Distance, typename Use>
 void MeshScene::eachPacket(const Rays& rays, const Distance& limit_m, const Use& use) const {
   if (rtcGetDeviceProperty(device_, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0)
-    eachPacketOf<Sixteen>(rays, limit_m, use);
+    eachPacketOf<RTCRayHit16>(rays, limit_m, use);
   else
-    eachPacketOf<Eight>(rays, limit_m, use);
+    eachPacketOf<RTCRayHit8>(rays, limit_m, use);
 }
 
-template <typename Width, typename Distance, typename Use>
+/// Sixteen rays for AVX-512; with narrower registers packets of eight are faster.
+template <typename Packet, typename Distance, typename Use>
 void MeshScene::eachPacketOf(const Rays& rays, const Distance& limit_m, const Use& use) const {
-  constexpr int kPacket = Width::kWidth;
+  constexpr int width = kWidthOf<Packet>;
   const Eigen::Index count = rays.origins_m.rows();
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  typename Width::Packet packet = {};
-  std::fill_n(packet.ray.mask, kPacket, ~0U);
+  Packet packet = {};
+  std::fill_n(packet.ray.mask, width, ~0U);
   const auto castPacket = [&](Eigen::Index first, auto filled) {
-    alignas(64) std::array<int, kPacket> valid = {};
+    alignas(64) std::array<int, width> valid = {};
     std::fill_n(valid.begin(), int{filled}, -1);
     load(rays, first, filled, packet);
-    std::fill_n(packet.ray.tnear, kPacket, 0.0F);
+    std::fill_n(packet.ray.tnear, width, 0.0F);
     for (int i = 0; i < filled; ++i)
       packet.ray.tfar[i] = limit_m(static_cast<std::size_t>(first + i));
-    std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
-    std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
-    Width::kIntersect(valid.data(), scene_, &context, &packet);
-    refine<kPacket>(meshes_, filled, packet);
+    std::fill_n(packet.hit.geomID, width, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(packet.hit.instID[0], width, RTC_INVALID_GEOMETRY_ID);
+    intersect(valid.data(), scene_, &context, &packet);
+    refine(meshes_, filled, packet);
     use(first, filled, packet);
   };
   Eigen::Index first = 0;
-  for (; first + kPacket <= count; first += kPacket)
-    castPacket(first, std::integral_constant<int, kPacket>());  // of a size known beforehand
+  for (; first + width <= count; first += width)
+    castPacket(first, std::integral_constant<int, width>());  // of a size known beforehand
   if (first < count) castPacket(first, static_cast<int>(count - first));
 }
 

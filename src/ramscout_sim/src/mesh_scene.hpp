@@ -31,7 +31,7 @@ private:
   void attach(unsigned number);
   template <typename Distance, typename Use>
   void eachPacket(const Rays& rays, const Distance& limit_m, const Use& use) const;
-  template <typename Width, typename Distance, typename Use>
+  template <typename Packet, typename Distance, typename Use>
   void eachPacketOf(const Rays& rays, const Distance& limit_m, const Use& use) const;
 
   std::vector<Solid> meshes_;  // by Embree's number of their geometry

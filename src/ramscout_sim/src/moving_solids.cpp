@@ -4,24 +4,27 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace ramscout_sim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// The part of a ray that lies in a convex body: way in and way out, with the outward normal at
 /// either end in the body's axes.
 struct Span {
-  double begin_m = -kInfinity;
-  double end_m = kInfinity;
+  double begin_m = -std::numeric_limits<double>::infinity();
+  double end_m = std::numeric_limits<double>::infinity();
   Eigen::Vector3d begin_normal = Eigen::Vector3d::Zero();
   Eigen::Vector3d end_normal = Eigen::Vector3d::Zero();
 
   bool isEmpty() const { return !(begin_m <= end_m); }
 };
 
-const Span kMiss = {kInfinity, -kInfinity};
+Span emptySpan() {
+  Span span;
+  std::swap(span.begin_m, span.end_m);
+  return span;
+}
 
 /// Cuts the span down to the slab |coordinate| <= half along one axis.
 void clip(Span& span,
@@ -30,7 +33,7 @@ void clip(Span& span,
           int axis,
           double half_m) {
   if (direction[axis] == 0.0) {
-    if (std::abs(origin[axis]) > half_m) span = kMiss;
+    if (std::abs(origin[axis]) > half_m) span = emptySpan();
     return;
   }
   const double sign = direction[axis] > 0.0 ? 1.0 : -1.0;
@@ -56,10 +59,10 @@ Span round(const Eigen::Vector3d& origin,
   const Eigen::Vector3d d = direction.cwiseProduct(axes);
   const double a = d.squaredNorm();
   const double c = o.squaredNorm() - radius_m * radius_m;
-  if (a == 0.0) return c <= 0.0 ? Span() : kMiss;
+  if (a == 0.0) return c <= 0.0 ? Span() : emptySpan();
   const double b = o.dot(d);
   const double discriminant = b * b - a * c;
-  if (discriminant < 0.0) return kMiss;
+  if (discriminant < 0.0) return emptySpan();
   const double root = std::sqrt(discriminant);
   Span span;
   span.begin_m = (-b - root) / a;
@@ -85,7 +88,7 @@ Span spanIn(const Solid& solid, const Eigen::Vector3d& origin, const Eigen::Vect
     case Shape::kMesh:
       break;
   }
-  return kMiss;
+  return emptySpan();
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ dSpaceID createStaticSpace(const World& world) {
   const Eigen::Vector3d extents = 0.5 * bounds.sizes() + Eigen::Vector3d::Ones();
   const dVector3 ode_center = {center.x(), center.y(), center.z()};
   const dVector3 ode_extents = {extents.x(), extents.y(), extents.z()};
-  constexpr int kDepth = 6;
+  constexpr int kDepth = 6;  // faster than 4 and 8 for ODE's rays, see docs/simulator_physics.md
   return dQuadTreeSpaceCreate(nullptr, ode_center, ode_extents, kDepth);
 }
 

@@ -6,18 +6,10 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "ram_parameters/require.hpp"
 #include "ramscout_sim/random.hpp"
 
 namespace ramscout_sim {
 namespace {
-
-constexpr double kWall_m = 0.15;
-constexpr double kWallHeight_m = 2.5;
-constexpr double kPane_m = 0.02;
-constexpr double kShortestRoom_m = 3.0;
-
-using ram_parameters::require;
 
 /// A row of rooms along x: where it is, and on which side its doors are.
 struct RoomRow {
@@ -59,7 +51,8 @@ public:
 
 private:
   void addWall(double x0, double y0, double x1, double y1) {
-    office_.world.solids.push_back(makeWall({x0, y0}, {x1, y1}, kWall_m, kWallHeight_m));
+    office_.world.solids.push_back(
+        makeWall({x0, y0}, {x1, y1}, parameters_.wall_thickness_m, parameters_.wall_height_m));
   }
 
   void addBox(double x,
@@ -78,7 +71,7 @@ private:
   void addOuterWalls() {
     const double x = parameters_.length_m();
     const double y = parameters_.depth_m();
-    const double overlap = 0.5 * kWall_m;
+    const double overlap = 0.5 * parameters_.wall_thickness_m;
     addWall(-overlap, 0.0, x + overlap, 0.0);
     addWall(-overlap, y, x + overlap, y);
     addWall(0.0, -overlap, 0.0, y + overlap);
@@ -90,7 +83,7 @@ private:
     const double right_m = left_m + parameters_.block_length_m;
     const double middle_m = bottom_m + parameters_.room_depth_m;
     const double top_m = middle_m + parameters_.room_depth_m;
-    const double overlap = 0.5 * kWall_m;
+    const double overlap = 0.5 * parameters_.wall_thickness_m;
     addWall(left_m, bottom_m - overlap, left_m, top_m + overlap);
     addWall(right_m, bottom_m - overlap, right_m, top_m + overlap);
     addWall(left_m, middle_m, right_m, middle_m);
@@ -101,8 +94,9 @@ private:
   void addRoomRow(const RoomRow& row) {
     double left_m = row.left_m;
     while (left_m < row.right_m - 1e-9) {
-      double right_m = left_m + random_.uniform(kShortestRoom_m, 2.0 * kShortestRoom_m);
-      if (right_m > row.right_m - kShortestRoom_m) right_m = row.right_m;
+      double right_m =
+          left_m + random_.uniform(parameters_.shortest_room_m, 2.0 * parameters_.shortest_room_m);
+      if (right_m > row.right_m - parameters_.shortest_room_m) right_m = row.right_m;
       if (right_m < row.right_m) addWall(right_m, row.bottom_m, right_m, row.top_m);
       addDoorWall(row, left_m, right_m);
       furnish(row, left_m, right_m);
@@ -119,7 +113,7 @@ private:
     if (extras_.uniform() < parameters_.glass_front_share) {
       for (std::size_t i = office_.world.solids.size() - 2; i < office_.world.solids.size(); ++i) {
         office_.world.solids[i].material = materialCalled("glass");
-        office_.world.solids[i].size_m.y() = kPane_m;
+        office_.world.solids[i].size_m.y() = parameters_.pane_thickness_m;
       }
     }
     const bool movable = extras_.uniform() < parameters_.movable_door_share;
@@ -182,9 +176,9 @@ private:
   void furnish(const RoomRow& row, double left_m, double right_m) {
     const double inward = row.doors_at_top ? 1.0 : -1.0;
     const double back_m = row.doors_at_top ? row.bottom_m : row.top_m;
-    const double free_m = right_m - left_m - kWall_m;
-    addBox(left_m + 0.5 * kWall_m + random_.uniform(0.5, free_m - 1.0), back_m + inward * 0.5, 1.2,
-           0.45, 1.2);
+    const double free_m = right_m - left_m - parameters_.wall_thickness_m;
+    addBox(left_m + 0.5 * parameters_.wall_thickness_m + random_.uniform(0.5, free_m - 1.0),
+           back_m + inward * 0.5, 1.2, 0.45, 1.2);
     const double desk_m = left_m + random_.uniform(1.0, std::max(1.1, free_m - 1.0));
     addBox(desk_m, back_m + inward * random_.uniform(1.8, 2.6), 1.6, 0.8, 0.74,
            random_.uniform(-0.3, 0.3));
@@ -253,40 +247,40 @@ void close(std::ofstream& stream, const std::string& path) {
 
 }  // namespace
 
-void OfficeParameters::validate() const {
-  require(seed >= 0, "seed", seed, ">= 0");
-  require(blocks_along_x >= 1 && blocks_along_x <= 1000, "blocks_along_x", blocks_along_x,
-          "1 to 1000");
-  require(blocks_along_y >= 0 && blocks_along_y <= 1000, "blocks_along_y", blocks_along_y,
-          "0 to 1000");
-  require(block_length_m >= 2.0 * kShortestRoom_m && block_length_m <= 200.0, "block_length_m",
-          block_length_m, "6 to 200");
-  require(room_depth_m >= 4.0 && room_depth_m <= 20.0, "room_depth_m", room_depth_m, "4 to 20");
-  require(corridor_width_m >= 1.2 && corridor_width_m <= 20.0, "corridor_width_m", corridor_width_m,
-          "1.2 to 20");
-  require(door_width_m >= 0.7 && door_width_m <= 1.8, "door_width_m", door_width_m, "0.7 to 1.8");
-  require(glass_front_share >= 0.0 && glass_front_share <= 1.0, "glass_front_share",
-          glass_front_share, "in [0, 1]");
-  require(movable_door_share >= 0.0 && movable_door_share <= 1.0, "movable_door_share",
-          movable_door_share, "in [0, 1]");
-  require(people >= 0 && people <= 1000, "people", people, "0 to 1000");
+const ram_parameters::ParameterTable<OfficeParameters>& OfficeParameters::table() {
+  using namespace ram_parameters;
+  using P = OfficeParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("seed", &P::seed, "", atLeast(0), "Same parameters and seed, same building.")
+          .add("blocks_along_x", &P::blocks_along_x, "", within(1, 1000), "Blocks of rooms.")
+          .add("blocks_along_y", &P::blocks_along_y, "", within(0, 1000),
+               "0: a single corridor between two rows of rooms.")
+          .add("block_length_m", &P::block_length_m, "m", {0.0, 200.0, false, true},
+               "Along x; subdivided into rooms.")
+          .rule(&P::block_length_m, ">= 2 shortest_room_m",
+                [](const P& p) { return p.block_length_m >= 2.0 * p.shortest_room_m; })
+          .add("room_depth_m", &P::room_depth_m, "m", within(4.0, 20.0),
+               "Along y; a block is two rooms deep.")
+          .add("corridor_width_m", &P::corridor_width_m, "m", within(1.2, 20.0), "")
+          .add("door_width_m", &P::door_width_m, "m", within(0.7, 1.8), "")
+          .add("glass_front_share", &P::glass_front_share, "", within(0.0, 1.0),
+               "Share of the rooms whose wall to the corridor is of glass.")
+          .add("movable_door_share", &P::movable_door_share, "", within(0.0, 1.0),
+               "Share of the rooms whose door has a leaf that can be moved.")
+          .add("people", &P::people, "", within(0, 1000), "Who walk around the blocks.")
+          .expert("Walls")
+          .add("wall_thickness_m", &P::wall_thickness_m, "m", aboveUpTo(0.0, 1.0), "")
+          .add("wall_height_m", &P::wall_height_m, "m", aboveUpTo(0.0, 100.0), "")
+          .add("pane_thickness_m", &P::pane_thickness_m, "m", aboveUpTo(0.0, 1.0),
+               "Of glass fronts.")
+          .add("shortest_room_m", &P::shortest_room_m, "m", within(3.0, 100.0),
+               "Along x; none is longer than three times that.");
+  return table;
 }
 
 OfficeParameters readOfficeParameters(ram_parameters::ParameterReader& reader) {
-  OfficeParameters p;
-  reader.read("seed", p.seed);
-  reader.read("blocks_along_x", p.blocks_along_x);
-  reader.read("blocks_along_y", p.blocks_along_y);
-  reader.read("block_length_m", p.block_length_m);
-  reader.read("room_depth_m", p.room_depth_m);
-  reader.read("corridor_width_m", p.corridor_width_m);
-  reader.read("door_width_m", p.door_width_m);
-  reader.read("glass_front_share", p.glass_front_share);
-  reader.read("movable_door_share", p.movable_door_share);
-  reader.read("people", p.people);
-  reader.rejectUnknown();
-  p.validate();
-  return p;
+  return OfficeParameters::table().readAll(reader);
 }
 
 Office generateOffice(const OfficeParameters& parameters) {

@@ -12,42 +12,33 @@
 #include "wheel_contact.hpp"
 
 namespace ramscout_sim {
-namespace {
-
-// The floor is nearly rigid under the wheels; the casters are sprung a little softer, so that the
-// wheels carry most of the weight although four points on a plane share it.
-constexpr double kErrorReduction = 0.2;
-constexpr double kCasterSoftness = 1e-5;
-constexpr double kMaxCorrectingSpeed_mps = 0.1;
-constexpr double kLargestCoordinate_m = 1e5;
-constexpr double kLargestSum = 1e6;  // of coordinates and speeds; NaN is not below it either
-constexpr int kMotorTrials = 4;
-
-}  // namespace
-
 class Physics::Implementation {
 public:
-  Implementation(const RobotDescription& robot, const World& world, const Pose2& world_from_base)
-      : robot_(robot),
+  Implementation(const RobotDescription& robot,
+                 const World& world,
+                 const Pose2& world_from_base,
+                 const PhysicsParameters& parameters)
+      : parameters_(parameters),
+        robot_(robot),
         whole_(combined(robot)),
         floor_friction_(world.floor_friction),
         world_(createOdeWorld()),
         contacts_(dJointGroupCreate(0)),
-        surroundings_(world),
+        surroundings_(world, parameters),
         ground_(world),
         chassis_space_(dSimpleSpaceCreate(nullptr)),
         floor_(dCreatePlane(nullptr, 0, 0, 1, 0)),
         chassis_(createBody(world_, whole_)) {
     const Eigen::Vector3d& gravity = world.gravity_mps2;
     dWorldSetGravity(world_, gravity.x(), gravity.y(), gravity.z());
-    dWorldSetERP(world_, kErrorReduction);
-    dWorldSetCFM(world_, kFrictionSoftness);
-    dWorldSetContactMaxCorrectingVel(world_, kMaxCorrectingSpeed_mps);
+    dWorldSetERP(world_, parameters_.error_reduction);
+    dWorldSetCFM(world_, parameters_.friction_softness);
+    dWorldSetContactMaxCorrectingVel(world_, parameters_.max_correcting_speed_mps);
     for (const Solid& shape : robot_.chassis_shapes) {
       chassis_geoms_.push_back(createGeom(chassis_space_, shape));
       dGeomSetBody(chassis_geoms_.back(), chassis_);
     }
-    for (const Wheel& wheel : robot.wheels) wheels_.emplace_back(wheel, wheels_.size());
+    for (const Wheel& wheel : robot.wheels) wheels_.emplace_back(wheel, wheels_.size(), parameters);
     arrangeAboutCenterOfMass();
     setPose(world_from_base);
   }
@@ -60,7 +51,7 @@ public:
       wheel.touch(ground_, inWorld(wheel.center_in_body_m), axleInWorld(wheel), floor_friction_);
     }
     const BodyState before = stateOf(chassis_);
-    for (int trial = 0; trial < kMotorTrials; ++trial) {
+    for (int trial = 0; trial < parameters_.motor_trials; ++trial) {
       if (trial > 0) setState(chassis_, before);
       addSpinTorques();
       dBodyAddForce(chassis_, push_n_.x(), push_n_.y(), push_n_.z());
@@ -73,7 +64,7 @@ public:
       wheels_[i].spin(duration_s, motion.speeds_radps[i]);
     const double sum = toEigen(dBodyGetPosition(chassis_)).sum() + rotationOf(chassis_).sum() +
                        toEigen(dBodyGetLinearVel(chassis_)).sum();
-    if (!(std::abs(sum) <= kLargestSum))
+    if (!(std::abs(sum) <= parameters_.diverged_sum))  // nor is NaN
       throw std::runtime_error("the physics diverged: the robot's pose or speed is absurd");
   }
 
@@ -175,9 +166,8 @@ private:
     solid_contacts_ =
         surroundings_.contacts(chassis_space_, toEigen(dBodyGetPosition(chassis_)), reach_m_);
     // A robot that tips over lies on the floor with its chassis.
-    constexpr double kUpright = 0.99;
-    if (rotationOf(chassis_)(2, 2) < kUpright)
-      collide(reinterpret_cast<dGeomID>(dSpaceID(chassis_space_)), floor_, solid_contacts_);
+    if (rotationOf(chassis_)(2, 2) < parameters_.lying_cosine)
+      surroundings_.collide(chassis_space_, floor_, solid_contacts_);
   }
 
   void createContactJoints(double duration_s, const WheelMotion& motion) {
@@ -194,7 +184,7 @@ private:
       const Eigen::Vector3d center_m = inWorld(caster.center_in_base_m - whole_.center_in_base_m);
       if (!ground_.touch(center_m, caster.radius_m, contact.geom)) continue;
       contact.surface.mode = dContactSoftCFM;
-      contact.surface.soft_cfm = kCasterSoftness;
+      contact.surface.soft_cfm = parameters_.caster_softness;
       dJointAttach(dJointCreateContact(world_, contacts_, &contact), chassis_, nullptr);
     }
     for (const dContact& contact : solid_contacts_) {
@@ -223,6 +213,7 @@ private:
     return right;
   }
 
+  PhysicsParameters parameters_;
   RobotDescription robot_;
   MassProperties whole_;
   double floor_friction_;
@@ -240,8 +231,12 @@ private:
   double reach_m_ = 0.0;  // of the chassis from its centre of mass
 };
 
-Physics::Physics(const RobotDescription& robot, const World& world, const Pose2& world_from_base)
-    : implementation_(std::make_unique<Implementation>(robot, world, world_from_base)) {}
+Physics::Physics(const RobotDescription& robot,
+                 const World& world,
+                 const Pose2& world_from_base,
+                 const PhysicsParameters& parameters)
+    : implementation_(std::make_unique<Implementation>(robot, world, world_from_base, parameters)) {
+}
 Physics::~Physics() = default;
 Physics::Physics(Physics&&) noexcept = default;
 Physics& Physics::operator=(Physics&&) noexcept = default;

@@ -6,6 +6,7 @@
 namespace ramscout_sim {
 namespace {
 
+// SplitMix64 (Steele, Lea, Flood, 2014): 2^64 over the golden ratio, made odd.
 constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15ULL;
 
 std::uint64_t mix(std::uint64_t z) {

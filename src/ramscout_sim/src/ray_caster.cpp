@@ -15,16 +15,14 @@
 namespace ramscout_sim {
 namespace {
 
-/// Everything up to z = 0, far around the solids.
+/// The floor up to z = 0, a metre thick, around the solids as far as any lidar reaches (80 m).
 Solid floorUnder(const World& world) {
   constexpr double kMargin_m = 100.0;
-  constexpr double kThickness_m = 1.0;
   const Eigen::AlignedBox3d bounds = boundsOf(world);
   Solid floor;
   floor.size_m = bounds.sizes() + Eigen::Vector3d::Constant(2.0 * kMargin_m);
-  floor.size_m.z() = kThickness_m;
-  floor.world_from_solid.translate(
-      Eigen::Vector3d(bounds.center().x(), bounds.center().y(), -0.5 * kThickness_m));
+  floor.size_m.z() = 1.0;
+  floor.world_from_solid.translate(Eigen::Vector3d(bounds.center().x(), bounds.center().y(), -0.5));
   return floor;
 }
 

@@ -5,17 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "ramscout_sim/ray_caster.hpp"
+
+#include "precision.hpp"
 
 /// What rays go through is inlined into one function per set of vector instructions.
 #define RAMSCOUT_SIM_INLINE [[gnu::always_inline]] static inline
 
 namespace ramscout_sim {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kSmallest = 1e-12F;  // component of a direction whose inverse is used
 
 /// Neighbouring rays and what they hit so far.
 template <int kRays>
@@ -37,10 +35,6 @@ struct Wedge {
   float low_z, high_z;         ///< of the origins [m]
   float down, up;  ///< lowest slope, at most 0, and highest, at least 0, per metre forward
 };
-
-RAMSCOUT_SIM_INLINE float nonzero(float x) {
-  return std::abs(x) < kSmallest ? kSmallest : x;
-}
 
 /// Nothing is hit yet.
 template <int kRays>

@@ -17,12 +17,7 @@
 namespace ramscout_sim {
 namespace {
 
-constexpr double kSmallestMass_kg = 1e-3;
-constexpr double kLargestMass_kg = 1e3;
-constexpr double kSmallestSize_m = 0.05;
-constexpr double kSmallestShape_m = 1e-3;
-constexpr double kLargestSize_m = 5.0;
-constexpr double kTouchesFloor_m = 2e-3;
+using ram_parameters::toPlainText;
 
 [[noreturn]] void refuse(const std::string& element, const std::string& reason) {
   throw std::invalid_argument("robot description: " + element + ": " + reason);
@@ -37,11 +32,15 @@ Eigen::Isometry3d toIsometry(const urdf::Pose& pose) {
 }
 
 /// Mass properties of one link in base axes. \throws std::invalid_argument if no body can have them
-MassProperties readMass(const urdf::Link& link, const Eigen::Isometry3d& base_from_link) {
+MassProperties readMass(const urdf::Link& link,
+                        const Eigen::Isometry3d& base_from_link,
+                        const RobotLimits& limits) {
   const std::string element = "link '" + link.name + "': inertial";
   const urdf::Inertial& inertial = *link.inertial;
-  if (!(inertial.mass >= kSmallestMass_kg && inertial.mass <= kLargestMass_kg)) {
-    refuse(element, "mass must be 0.001 to 1000 kg, got " + std::to_string(inertial.mass));
+  if (!(inertial.mass >= limits.min_mass_kg && inertial.mass <= limits.max_mass_kg)) {
+    refuse(element, "mass must be " + toPlainText(limits.min_mass_kg) + " to " +
+                        toPlainText(limits.max_mass_kg) + " kg, got " +
+                        std::to_string(inertial.mass));
   }
   Eigen::Matrix3d own;
   own << inertial.ixx, inertial.ixy, inertial.ixz,  //
@@ -56,7 +55,7 @@ MassProperties readMass(const urdf::Link& link, const Eigen::Isometry3d& base_fr
            "others");
   }
   const double radius_of_gyration_m = std::sqrt(principal[2] / inertial.mass);
-  if (radius_of_gyration_m > kLargestSize_m || radius_of_gyration_m < 1e-4) {
+  if (radius_of_gyration_m > limits.max_size_m || radius_of_gyration_m < 1e-4) {
     refuse(element, "inertia and mass belong to a body of " + std::to_string(radius_of_gyration_m) +
                         " m radius of gyration; are the units kg and m?");
   }
@@ -67,7 +66,8 @@ MassProperties readMass(const urdf::Link& link, const Eigen::Isometry3d& base_fr
 
 Solid readCollision(const urdf::Collision& collision,
                     const std::string& link,
-                    const Eigen::Isometry3d& base_from_link) {
+                    const Eigen::Isometry3d& base_from_link,
+                    const RobotLimits& limits) {
   const std::string element = "link '" + link + "': collision";
   Solid solid;
   solid.world_from_solid = base_from_link * toIsometry(collision.origin);
@@ -83,20 +83,23 @@ Solid readCollision(const urdf::Collision& collision,
   } else {
     refuse(element, "must be a box, a cylinder or a sphere");
   }
-  if (!(solid.size_m.minCoeff() >= kSmallestShape_m && solid.size_m.maxCoeff() <= kLargestSize_m)) {
-    refuse(element, "sizes must be 0.001 to 5 m; are they in metres?");
+  if (!(solid.size_m.minCoeff() >= limits.min_shape_m &&
+        solid.size_m.maxCoeff() <= limits.max_size_m)) {
+    refuse(element, "sizes must be " + toPlainText(limits.min_shape_m) + " to " +
+                        toPlainText(limits.max_size_m) + " m; are they in metres?");
   }
   return solid;
 }
 
-bool isCaster(const Solid& shape) {
-  return shape.shape == Shape::kSphere && std::abs(shape.world_from_solid.translation().z() -
-                                                   0.5 * shape.size_m.x()) <= kTouchesFloor_m;
+bool isCaster(const Solid& shape, const RobotLimits& limits) {
+  const double above_floor_m = shape.world_from_solid.translation().z() - 0.5 * shape.size_m.x();
+  return shape.shape == Shape::kSphere && std::abs(above_floor_m) <= limits.touches_floor_m;
 }
 
 Wheel readWheel(const urdf::Joint& joint,
                 const urdf::Link& link,
-                const Eigen::Isometry3d& base_from_link) {
+                const Eigen::Isometry3d& base_from_link,
+                const RobotLimits& limits) {
   const std::string element = "joint '" + joint.name + "'";
   const Eigen::Vector3d axis =
       base_from_link.linear() * Eigen::Vector3d(joint.axis.x, joint.axis.y, joint.axis.z);
@@ -104,7 +107,7 @@ Wheel readWheel(const urdf::Joint& joint,
     refuse(element, "a wheel's axis must be horizontal");
   if (!link.inertial) refuse("link '" + link.name + "'", "a wheel needs an inertial element");
   if (!link.collision) refuse("link '" + link.name + "'", "a wheel needs a collision element");
-  const Solid shape = readCollision(*link.collision, link.name, base_from_link);
+  const Solid shape = readCollision(*link.collision, link.name, base_from_link, limits);
   if (shape.shape == Shape::kBox)
     refuse("link '" + link.name + "'", "a wheel's collision must be a cylinder or a sphere");
   Wheel wheel;
@@ -112,11 +115,11 @@ Wheel readWheel(const urdf::Joint& joint,
   wheel.center_in_base_m = base_from_link.translation();
   wheel.axle_in_base = axis.normalized();
   wheel.radius_m = 0.5 * shape.size_m.x();
-  wheel.mass = readMass(link, base_from_link);
+  wheel.mass = readMass(link, base_from_link, limits);
   if (joint.limits) wheel.max_torque_nm = joint.limits->effort;
   if (!(wheel.max_torque_nm >= 0.0 && std::isfinite(wheel.max_torque_nm)))
     refuse(element, "<limit effort=...>, the motor's torque in Nm, must be >= 0");
-  if (std::abs(wheel.center_in_base_m.z() - wheel.radius_m) > kTouchesFloor_m) {
+  if (std::abs(wheel.center_in_base_m.z() - wheel.radius_m) > limits.touches_floor_m) {
     refuse(element, "the wheel must touch the floor: its centre lies " +
                         std::to_string(wheel.center_in_base_m.z()) +
                         " m above the base frame, its radius is " + std::to_string(wheel.radius_m) +
@@ -165,13 +168,14 @@ void checkMotors(const RobotDescription& robot) {
 /// Walks the tree of links, outwards from the base.
 class Reader {
 public:
-  explicit Reader(RobotDescription& robot) : robot_(robot) {}
+  Reader(RobotDescription& robot, const RobotLimits& limits) : robot_(robot), limits_(limits) {}
 
   void readChassisLink(const urdf::Link& link, const Eigen::Isometry3d& base_from_link) {
-    if (link.inertial) robot_.chassis = combined(robot_.chassis, readMass(link, base_from_link));
+    if (link.inertial)
+      robot_.chassis = combined(robot_.chassis, readMass(link, base_from_link, limits_));
     for (const auto& collision : link.collision_array) {
-      const Solid shape = readCollision(*collision, link.name, base_from_link);
-      if (isCaster(shape)) {
+      const Solid shape = readCollision(*collision, link.name, base_from_link, limits_);
+      if (isCaster(shape, limits_)) {
         robot_.casters.push_back({shape.world_from_solid.translation(), 0.5 * shape.size_m.x()});
       } else {
         robot_.chassis_shapes.push_back(shape);
@@ -203,7 +207,7 @@ private:
       if (joint.type == urdf::Joint::FIXED) {
         readChassisLink(*child, base_from_child);
       } else if (joint.type == urdf::Joint::CONTINUOUS) {
-        robot_.wheels.push_back(readWheel(joint, *child, base_from_child));
+        robot_.wheels.push_back(readWheel(joint, *child, base_from_child, limits_));
       } else if (joint.type == urdf::Joint::REVOLUTE) {
         readSteeredWheel(joint, *child, base_from_child);
       } else {
@@ -267,10 +271,10 @@ private:
         std::abs(left.center_in_base_m.x() - right.center_in_base_m.x()) > 1e-6) {
       refuse("link '" + robot_.base_frame + "'", "must lie midway between the two wheels");
     }
-    if (!(robot_.trackWidth_m() >= kSmallestSize_m))
-      refuse("wheels", "must be at least 0.05 m apart");
+    if (!(robot_.trackWidth_m() >= limits_.min_size_m))
+      refuse("wheels", "must be at least " + toPlainText(limits_.min_size_m) + " m apart");
     for (const Wheel& wheel : robot_.wheels) {
-      if (wheel.steering && std::abs(wheel.center_in_base_m.x()) < kSmallestSize_m)
+      if (wheel.steering && std::abs(wheel.center_in_base_m.x()) < limits_.min_size_m)
         refuse("joint '" + wheel.joint + "'", "a steered wheel must not lie on the other axle");
     }
   }
@@ -282,7 +286,8 @@ private:
       const Wheel& wheel = robot_.wheels[i];
       const Eigen::Vector3d rolling = wheel.axle_in_base.cross(Eigen::Vector3d::UnitZ());
       const double lever_m = wheel.center_in_base_m.cross(rolling).z();
-      rows.row(static_cast<Eigen::Index>(i)) << rolling.x(), rolling.y(), lever_m / kSmallestSize_m;
+      rows.row(static_cast<Eigen::Index>(i)) << rolling.x(), rolling.y(),
+          lever_m / limits_.min_size_m;
     }
     const auto singular = Eigen::JacobiSVD<Eigen::MatrixXd>(rows).singularValues();
     if (!(singular[2] > 0.1))
@@ -295,15 +300,17 @@ private:
     parts.solids = robot_.chassis_shapes;
     if (parts.solids.empty()) refuse("chassis", "no fixed link has a collision element");
     const Eigen::Vector3d size = boundsOf(parts).sizes();
-    if (size.minCoeff() < kSmallestSize_m || size.maxCoeff() > kLargestSize_m) {
+    if (size.minCoeff() < limits_.min_size_m || size.maxCoeff() > limits_.max_size_m) {
       std::ostringstream text;
-      text << "its size " << size.transpose()
-           << " m is not within 0.05 to 5 m; are the lengths in metres?";
+      text << "its size " << size.transpose() << " m is not within "
+           << toPlainText(limits_.min_size_m) << " to " << toPlainText(limits_.max_size_m)
+           << " m; are the lengths in metres?";
       refuse("chassis", text.str());
     }
   }
 
   RobotDescription& robot_;
+  const RobotLimits& limits_;
   bool found_laser_ = false;
 };
 
@@ -330,7 +337,27 @@ MassProperties combined(const RobotDescription& robot) {
   return whole;
 }
 
-RobotDescription parseRobot(const std::string& urdf, const std::string& laser_frame) {
+const ram_parameters::ParameterTable<RobotLimits>& RobotLimits::table() {
+  using namespace ram_parameters;
+  using P = RobotLimits;
+  static const auto table =
+      ParameterTable<P>()
+          .add("min_mass_kg", &P::min_mass_kg, "kg", positive(), "Lightest link.")
+          .add("max_mass_kg", &P::max_mass_kg, "kg", positive(), "Heaviest link.")
+          .add("min_shape_m", &P::min_shape_m, "m", positive(),
+               "Smallest side of a collision element.")
+          .add("min_size_m", &P::min_size_m, "m", positive(),
+               "Smallest chassis, track and wheelbase.")
+          .add("max_size_m", &P::max_size_m, "m", positive(),
+               "Largest collision element and chassis.")
+          .add("touches_floor_m", &P::touches_floor_m, "m", positive(),
+               "Wheels and casters no farther from the floor touch it.");
+  return table;
+}
+
+RobotDescription parseRobot(const std::string& urdf,
+                            const std::string& laser_frame,
+                            const RobotLimits& limits) {
   ParserLog log;
   urdf::ModelInterfaceSharedPtr model;
   try {
@@ -345,18 +372,20 @@ RobotDescription parseRobot(const std::string& urdf, const std::string& laser_fr
   robot.name = model->getName();
   robot.base_frame = model->getRoot()->name;
   robot.laser_frame = laser_frame;
-  Reader reader(robot);
+  Reader reader(robot, limits);
   reader.readChassisLink(*model->getRoot(), Eigen::Isometry3d::Identity());
   reader.finish();
   return robot;
 }
 
-RobotDescription readRobot(const std::string& path, const std::string& laser_frame) {
+RobotDescription readRobot(const std::string& path,
+                           const std::string& laser_frame,
+                           const RobotLimits& limits) {
   std::ifstream stream(path);
   if (!stream) throw std::runtime_error(path + ": cannot be opened");
   std::ostringstream text;
   text << stream.rdbuf();
-  return parseRobot(text.str(), laser_frame);
+  return parseRobot(text.str(), laser_frame, limits);
 }
 
 }  // namespace ramscout_sim

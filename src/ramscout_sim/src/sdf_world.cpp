@@ -13,8 +13,6 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr double kLargestCoordinate_m = 1e4;
-
 /// Elements that do not change what a lidar or a chassis meets.
 const std::set<std::string> kHarmless = {"visual",
                                          "light",
@@ -208,7 +206,7 @@ private:
       refuse(where(*element), "must hold " + std::to_string(count) + " numbers");
     }
     for (const double v : values) {
-      if (!(std::abs(v) <= kLargestCoordinate_m)) refuse(where(*element), "is beyond 10 km");
+      if (!(std::abs(v) <= kLargestModel_m)) refuse(where(*element), "is beyond 10 km");
     }
     return values;
   }

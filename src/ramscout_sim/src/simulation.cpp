@@ -11,9 +11,6 @@
 namespace ramscout_sim {
 namespace {
 
-/// How often the driver of a tour takes the pose of the robot.
-constexpr std::int64_t kDrivePeriod_ns = 10'000'000;
-
 /// When the n-th of a series with the given rate is due.
 std::int64_t dueAt_ns(std::uint64_t index, double rate_hz) {
   return Simulation::kStart_ns + std::llround(static_cast<double>(index) / rate_hz * 1e9);
@@ -28,8 +25,9 @@ Simulation::Simulation(const SimulationParameters& parameters,
     : parameters_((parameters.validate(), parameters)),
       robot_(robot),
       ray_caster_(world, parameters.instruction_set),
-      physics_(startedPhysics(withTrueGeometry(robot, parameters.odometry), world)),
-      actors_(world),
+      physics_(
+          startedPhysics(withTrueGeometry(robot, parameters.odometry), world, parameters.physics)),
+      actors_(world, parameters.actors),
       odometry_(robot, parameters.odometry, static_cast<std::uint64_t>(parameters.seed)),
       drive_(robot, parameters.drive),
       lidar_(parameters.lidar, static_cast<std::uint64_t>(parameters.seed)) {
@@ -38,7 +36,7 @@ Simulation::Simulation(const SimulationParameters& parameters,
   parts.solids = robot.chassis_shapes;
   const Eigen::AlignedBox3d bounds = boundsOf(parts);
   radius_m_ = bounds.min().head<2>().cwiseAbs().cwiseMax(bounds.max().head<2>().cwiseAbs()).norm();
-  if (tour) driver_.emplace(*tour);
+  if (tour) driver_.emplace(*tour, parameters.tour_driver);
   rememberPose();
 }
 
@@ -58,7 +56,7 @@ Twist2 Simulation::wantedTwist() {
   if (driver_) {
     if (now_ns_ >= next_drive_ns_) {
       driven_ = driver_->drive(toPose2(physics_.worldFromBase()));
-      next_drive_ns_ = now_ns_ + kDrivePeriod_ns;
+      next_drive_ns_ = now_ns_ + std::llround(parameters_.actors.period_s * 1e9);
     }
     wanted = driven_;
   } else if (now_ns_ - commanded_at_ns_ <=
@@ -191,7 +189,6 @@ void Simulation::setOthers(std::vector<Solid> shapes, std::vector<Footprint> foo
 
 /// People, doors and other robots go on, and what of them is near enough can be touched.
 void Simulation::moveActors() {
-  constexpr double kNear_m = 1.0;
   const Footprint own = footprint();
   std::vector<Footprint> robots = others_;
   robots.push_back(own);
@@ -200,7 +197,8 @@ void Simulation::moveActors() {
   for (const Solid& solid : actors_.solids()) {
     const double distance_m =
         (solid.world_from_solid.translation().head<2>() - own.center_m).norm();
-    if (distance_m < own.radius_m + 0.5 * solid.size_m.norm() + kNear_m) near.push_back(solid);
+    const double reach_m = own.radius_m + 0.5 * solid.size_m.norm();
+    if (distance_m < reach_m + parameters_.actors.touch_range_m) near.push_back(solid);
   }
   physics_.setObstacles(near);
 }

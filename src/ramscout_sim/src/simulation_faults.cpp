@@ -60,11 +60,11 @@ void Simulation::begin(const Fault& fault) {
 
 /// As far to the side as there is room.
 void Simulation::push(double left_m) {
-  constexpr int kTries = 10;
+  const int tries = parameters_.push_tries;
   const Pose2 before = toPose2(physics_.worldFromBase());
-  for (int i = kTries; i > 0; --i) {
+  for (int i = tries; i > 0; --i) {
     try {
-      physics_.setPose(before * Pose2{0.0, left_m * i / kTries, 0.0});
+      physics_.setPose(before * Pose2{0.0, left_m * i / tries, 0.0});
       return;
     } catch (const std::invalid_argument&) {
       continue;  // a solid is in the way
@@ -119,15 +119,14 @@ void Simulation::addPerson(const Fault& fault) {
   actors_.addPerson(person, now_s() + fault.duration_s);
 }
 
-/// What lies on the chassis: a cube as dense as water.
+/// What lies on the chassis: a cube.
 MassProperties Simulation::payload() const {
-  constexpr double kDensity_kgpm3 = 1000.0;
   MassProperties cube;
   const Fault* fault = activeFault(FaultKind::kPayload);
   if (!fault) return cube;
   World parts;
   parts.solids = robot_.chassis_shapes;
-  const double edge_m = std::cbrt(fault->amount / kDensity_kgpm3);
+  const double edge_m = std::cbrt(fault->amount / parameters_.payload_density_kgpm3);
   cube.mass_kg = fault->amount;
   cube.center_in_base_m = {fault->pose.x_m, fault->pose.y_m,
                            boundsOf(parts).max().z() + 0.5 * edge_m};

@@ -31,7 +31,19 @@ const ram_parameters::ParameterTable<SimulationParameters>& SimulationParameters
           .heading("How the real robot differs from what its odometry believes")
           .section("odometry", &P::odometry, OdometryParameters::table())
           .heading("The lidar")
-          .section("lidar", &P::lidar, LidarParameters::table());
+          .section("lidar", &P::lidar, LidarParameters::table())
+          .expert("Faults")
+          .add("push_tries", &P::push_tries, "", within(1, 1000),
+               "How many shares of its way the fault `push` tries, the whole first, until one ends "
+               "in the free.")
+          .add("payload_density_kgpm3", &P::payload_density_kgpm3, "kg/m^3", positive(),
+               "Of the cube that the fault `payload` puts on the chassis.")
+          .expert("Rigid-body physics (ODE)")
+          .section("physics", &P::physics, PhysicsParameters::table())
+          .expert("People and doors")
+          .section("actors", &P::actors, ActorParameters::table())
+          .expert("Driver of a tour")
+          .section("tour_driver", &P::tour_driver, TourDriverParameters::table());
   return table;
 }
 

@@ -43,7 +43,27 @@ const ram_parameters::ParameterTable<LockStepParameters>& LockStepParameters::ta
                "Wall time after which the simulation goes on without an answer; before the first "
                "answer at most 0.5 s.")
           .add("start_timeout_s", &P::start_timeout_s, "s", within(0.0, 3600.0),
-               "Wall time to wait at the start for the lock step's partners to connect.");
+               "Wall time to wait at the start for the lock step's partners to connect.")
+          .expert("Lock step")
+          .add("first_answer_s", &P::first_answer_s, "s", positive(),
+               "Longest wait for the first answer: while partners are starting, a scan may have "
+               "reached none of them.")
+          .add("poll_s", &P::poll_s, "s", positive(),
+               "How often a wait checks whether ROS is shutting down.");
+  return table;
+}
+
+const ram_parameters::ParameterTable<TopicParameters>& TopicParameters::table() {
+  using namespace ram_parameters;
+  using P = TopicParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("queue_length", &P::queue_length, "", within(1, 100000),
+               "Messages that wait on each topic.")
+          .add("progress_step", &P::progress_step, "", positive(),
+               "Share of a tour after which tour_progress is published again.")
+          .add("rival_command_s", &P::rival_command_s, "s", atLeast(0.0),
+               "Commands of two nodes on cmd_vel within this time are warned of.");
   return table;
 }
 
@@ -69,7 +89,15 @@ const ram_parameters::ParameterTable<SimulatorNodeParameters>& SimulatorNodePara
           .rule(&P::clock_rate_hz, "<= physics_rate_hz",
                 [](const P& p) { return p.clock_rate_hz <= p.simulation.physics_rate_hz; })
           .include(&P::lock_step, LockStepParameters::table(), "lock_step_")
-          .include(&P::simulation, SimulationParameters::table());
+          .include(&P::simulation, SimulationParameters::table())
+          .expert("Robots that are accepted")
+          .section("robot_limits", &P::robot_limits, RobotLimits::table())
+          .expert("Node")
+          .add("max_step_s", &P::max_step_s, "s", positive(),
+               "Longest that the service `step` runs.")
+          .add("late_s", &P::late_s, "s", positive(),
+               "A simulation that is later than this does not hurry to catch up.")
+          .include(&P::topics, TopicParameters::table());
   return table;
 }
 

@@ -17,9 +17,9 @@ namespace {
 using Node = SolidTree::Node;
 using Body = SolidTree::Body;
 
-constexpr int kChildren = SolidTree::kChildren;
-constexpr float kGrazing = 0.02F;   // cosine of the incidence
-constexpr float kLeeway_m = 1e-2F;  // what is as far away as asked for is found
+// A surface exactly as far away as asked for is found although boxes are met micrometres too near
+// or too far.
+constexpr float kLeeway_m = 1e-2F;
 
 struct Tree {
   const Node* nodes;
@@ -44,7 +44,7 @@ RAMSCOUT_SIM_INLINE unsigned overlapping(const Node& node,
   const float* const far_x = node.bounds_m[w.forward_x > 0.0F ? 1 : 0].data();
   const float* const far_y = node.bounds_m[w.forward_y > 0.0F ? 3 : 2].data();
   unsigned bits = 0;
-  for (int i = 0; i < kChildren; ++i) {
+  for (int i = 0; i < SolidTree::kChildren; ++i) {
     const bool in_left = w.left_x * left_x[i] + w.left_y * left_y[i] <= w.left;
     const bool in_right = w.right_x * right_x[i] + w.right_y * right_y[i] <= w.right;
     const float far = w.forward_x * far_x[i] + w.forward_y * far_y[i] - w.rearmost;
@@ -157,7 +157,7 @@ RAMSCOUT_SIM_INLINE void traverse(const Tree& tree, const Wedge& wedge, Packet<k
   Waiting waiting[kMostWaiting];
   waiting[0] = {0.0F, 0};  // the root
   int count = 1;
-  alignas(64) float nearest[kChildren];
+  alignas(64) float nearest[SolidTree::kChildren];
   while (count > 0) {
     const Waiting next = waiting[--count];
     if (next.nearest > limit) continue;
@@ -229,7 +229,7 @@ RAMSCOUT_SIM_INLINE void castPacket(const Tree& tree,
 RAMSCOUT_SIM_INLINE void castPackets(const Tree& tree,
                                      const Rays& rays,
                                      SolidTree::Result& result) {
-  constexpr int kRays = 32;
+  constexpr int kRays = 32;  // two AVX-512 registers of floats
   const auto count = static_cast<Eigen::Index>(rays.size());
   Eigen::Index first = 0;
   for (; first + kRays <= count; first += kRays)  // of a size known beforehand

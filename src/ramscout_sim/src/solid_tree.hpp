@@ -17,7 +17,7 @@ namespace ramscout_sim {
 ///
 /// Upright boxes are met in single precision, in vector code; results are the same to the bit
 /// whatever the vector instructions, as none fuses multiplication and addition. On all else, and
-/// where a ray grazes a surface or starts inside, rays end where intersect() says.
+/// where a ray grazes a surface or starts inside, rays end where intersect() puts them.
 class SolidTree {
 public:
   /// \param solids  no meshes; the first is a floor under all others

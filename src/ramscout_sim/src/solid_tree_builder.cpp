@@ -91,7 +91,7 @@ std::vector<Group> childrenOf(const Group& all) {
 
 /// No ray meets a child that is not there.
 Node emptyNode() {
-  constexpr float kFar = 1e30F;
+  constexpr float kFar = 1e30F;  // beyond every world; low above high: no ray meets it
   Node node = {};
   node.low_z_m.fill(kFar);
   node.high_z_m.fill(-kFar);

@@ -2,19 +2,9 @@
 #include "surroundings.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace ramscout_sim {
 namespace {
-
-constexpr double kSolidSoftness = 1e-5;
-constexpr double kSolidFriction = 0.3;
-constexpr int kContactsPerPair = 3;
-constexpr std::size_t kMaxContacts = 8;
-// How far around the robot it is looked for solids, and how many steps it is not looked again
-// where one is near.
-constexpr std::array<double, 3> kLookAhead_m = {0.5, 0.1, 0.02};
-constexpr int kStepsNearSolid = 20;
 
 dGeomID asGeom(const SpaceHandle& space) {
   return reinterpret_cast<dGeomID>(dSpaceID(space));
@@ -25,28 +15,34 @@ void setIfTouching(void* result, dGeomID a, dGeomID b) {
   if (dCollide(a, b, 1, &contact, sizeof(contact)) > 0) *static_cast<bool*>(result) = true;
 }
 
-void addContacts(void* result, dGeomID a, dGeomID b) {
-  std::vector<dContact>& contacts = *static_cast<std::vector<dContact>*>(result);
-  std::array<dContactGeom, kContactsPerPair> touches;
-  const int count = dCollide(a, b, kContactsPerPair, touches.data(), sizeof(dContactGeom));
-  for (int i = 0; i < count && contacts.size() < kMaxContacts; ++i) {
+/// What ODE hands through to addContacts.
+struct Search {
+  const PhysicsParameters& parameters;
+  std::vector<dContact>& contacts;
+  std::vector<dContactGeom>& touches;  // room for those of one pair
+};
+
+void addContacts(void* data, dGeomID a, dGeomID b) {
+  const auto& [parameters, contacts, touches] = *static_cast<Search*>(data);
+  const int count =
+      dCollide(a, b, parameters.contacts_per_pair, touches.data(), sizeof(dContactGeom));
+  const auto most = static_cast<std::size_t>(parameters.max_contacts);
+  for (int i = 0; i < count && contacts.size() < most; ++i) {
     dContact contact = {};
     contact.geom = touches[static_cast<std::size_t>(i)];
     contact.surface.mode = dContactApprox1 | dContactSoftCFM;
-    contact.surface.mu = kSolidFriction;
-    contact.surface.soft_cfm = kSolidSoftness;
+    contact.surface.mu = parameters.solid_friction;
+    contact.surface.soft_cfm = parameters.solid_softness;
     contacts.push_back(contact);
   }
 }
 
 }  // namespace
 
-void collide(dGeomID a, dGeomID b, std::vector<dContact>& contacts) {
-  dSpaceCollide2(a, b, &contacts, addContacts);
-}
-
-Surroundings::Surroundings(const World& world)
-    : statics_(createStaticSpace(world)),
+Surroundings::Surroundings(const World& world, const PhysicsParameters& parameters)
+    : parameters_(parameters),
+      touches_(static_cast<std::size_t>(parameters.contacts_per_pair)),
+      statics_(createStaticSpace(world)),
       obstacle_space_(dSimpleSpaceCreate(nullptr)),
       probe_(dCreateSphere(nullptr, 1.0)) {
   for (const Solid& solid : world.solids) {
@@ -94,9 +90,16 @@ std::vector<dContact> Surroundings::contacts(const SpaceHandle& chassis,
                                              const Eigen::Vector3d& center_m,
                                              double reach_m) {
   std::vector<dContact> found;
-  if (mayTouchSolid(center_m, reach_m)) collide(asGeom(chassis), asGeom(statics_), found);
-  if (!obstacles_.empty()) collide(asGeom(chassis), asGeom(obstacle_space_), found);
+  if (mayTouchSolid(center_m, reach_m)) collide(chassis, asGeom(statics_), found);
+  if (!obstacles_.empty()) collide(chassis, asGeom(obstacle_space_), found);
   return found;
+}
+
+void Surroundings::collide(const SpaceHandle& chassis,
+                           dGeomID other,
+                           std::vector<dContact>& contacts) {
+  Search search = {parameters_, contacts, touches_};
+  dSpaceCollide2(asGeom(chassis), other, &search, addContacts);
 }
 
 void Surroundings::forgetWhatIsNear() {
@@ -114,14 +117,14 @@ bool Surroundings::mayTouchSolid(const Eigen::Vector3d& center_m, double reach_m
   }
   clear_around_m_ = center_m;
   dGeomSetPosition(probe_, center_m.x(), center_m.y(), center_m.z());
-  for (const double ahead_m : kLookAhead_m) {
+  for (const double ahead_m : parameters_.look_ahead_m) {
     bool occupied = false;
     dGeomSphereSetRadius(probe_, reach_m + ahead_m);
     dSpaceCollide2(probe_, asGeom(statics_), &occupied, setIfTouching);
     clear_within_m_ = occupied ? 0.0 : ahead_m;
     if (!occupied) return false;
   }
-  steps_near_solid_ = kStepsNearSolid;
+  steps_near_solid_ = parameters_.steps_near_solid;
   return true;
 }
 

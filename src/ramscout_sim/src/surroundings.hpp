@@ -4,6 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "ramscout_sim/physics_parameters.hpp"
+
 #include "ode_objects.hpp"
 
 namespace ramscout_sim {
@@ -11,7 +13,7 @@ namespace ramscout_sim {
 /// What the chassis can run into: the solids of the world, and obstacles that come and go.
 class Surroundings {
 public:
-  explicit Surroundings(const World& world);
+  Surroundings(const World& world, const PhysicsParameters& parameters);
 
   /// From now on, instead of those before.
   void setObstacles(const std::vector<Solid>& solids);
@@ -25,13 +27,18 @@ public:
                                  const Eigen::Vector3d& center_m,
                                  double reach_m);
 
-  /// The robot is elsewhere: looks around anew.
+  /// The robot is elsewhere: the next step looks for solids again.
   void forgetWhatIsNear();
+
+  /// Adds where the chassis touches `other` to `contacts`.
+  void collide(const SpaceHandle& chassis, dGeomID other, std::vector<dContact>& contacts);
 
 private:
   void addStatic(const Solid& solid);
   bool mayTouchSolid(const Eigen::Vector3d& center_m, double reach_m);
 
+  PhysicsParameters parameters_;
+  std::vector<dContactGeom> touches_;  // of one pair, so that no step allocates
   std::vector<std::shared_ptr<const TriangleMesh>> meshes_;
   std::vector<MeshData> mesh_data_;
   SpaceHandle statics_;
@@ -43,8 +50,5 @@ private:
   double clear_within_m_ = 0.0;
   int steps_near_solid_ = 0;
 };
-
-/// Adds what of `a` touches `b` to `contacts`.
-void collide(dGeomID a, dGeomID b, std::vector<dContact>& contacts);
 
 }  // namespace ramscout_sim

@@ -9,17 +9,6 @@
 #include "ram_parameters/parameter_reader.hpp"
 
 namespace ramscout_sim {
-namespace {
-
-constexpr double kLookahead_m = 0.5;
-constexpr double kArrived_m = 0.05;
-constexpr double kTurnOnTheSpotFrom_rad = 0.8;
-constexpr double kTurnOnTheSpotUntil_rad = 0.1;
-constexpr double kYawGain_per_s = 3.0;
-constexpr double kStoppingGain_per_s = 1.5;
-
-}  // namespace
-
 double Tour::length_m() const {
   double length = 0.0;
   for (std::size_t i = 1; i < waypoints_m.size(); ++i)
@@ -68,8 +57,38 @@ Tour readTour(const std::string& path) {
   return tour;
 }
 
-TourDriver::TourDriver(const Tour& tour)
-    : tour_((tour.validate(), tour)), length_m_(tour.length_m()) {
+const ram_parameters::ParameterTable<TourDriverParameters>& TourDriverParameters::table() {
+  using namespace ram_parameters;
+  using P = TourDriverParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("lookahead_m", &P::lookahead_m, "m", positive(),
+               "Way ahead of the robot to the point that it heads for (pure pursuit).")
+          .add("yaw_gain_per_s", &P::yaw_gain_per_s, "1/s", positive(),
+               "Turn speed per radian off that point.")
+          .add("turn_on_the_spot_from_rad", &P::turn_on_the_spot_from_rad, "rad", positive(),
+               "If it is off by more, it turns on the spot,")
+          .add("turn_on_the_spot_until_rad", &P::turn_on_the_spot_until_rad, "rad", positive(),
+               "until it is off by less than this.")
+          .rule(&P::turn_on_the_spot_until_rad, "<= turn_on_the_spot_from_rad",
+                [](const P& p) {
+                  return p.turn_on_the_spot_until_rad <= p.turn_on_the_spot_from_rad;
+                })
+          .add("least_speed_share", &P::least_speed_share, "", aboveUpTo(0.0, 1.0),
+               "Share of the tour's speed that is kept in bends.")
+          .add("braking_distance_m", &P::braking_distance_m, "m", positive(),
+               "Way before the end on which it brakes.")
+          .add("stopping_gain_per_s", &P::stopping_gain_per_s, "1/s", positive(),
+               "Speed per metre left while it brakes.")
+          .add("least_speed_mps", &P::least_speed_mps, "m/s", positive(),
+               "Slowest speed while it brakes.")
+          .add("arrived_m", &P::arrived_m, "m", positive(),
+               "Distance from the last waypoint at which the tour is finished.");
+  return table;
+}
+
+TourDriver::TourDriver(const Tour& tour, const TourDriverParameters& parameters)
+    : tour_((tour.validate(), tour)), parameters_(parameters), length_m_(tour.length_m()) {
   double way_m = 0.0;
   for (std::size_t i = 0; i < tour_.waypoints_m.size(); ++i) {
     if (i > 0) way_m += (tour_.waypoints_m[i] - tour_.waypoints_m[i - 1]).norm();
@@ -88,7 +107,7 @@ Eigen::Vector2d TourDriver::pointAt(double way_m) const {
 
 /// Moves the driven way forward to the nearest point of the way within the lookahead.
 void TourDriver::advance(const Eigen::Vector2d& position_m) {
-  const double end_m = std::min(driven_m_ + kLookahead_m, length_m_);
+  const double end_m = std::min(driven_m_ + parameters_.lookahead_m, length_m_);
   const double begin_m = driven_m_;
   double best_distance_m = std::numeric_limits<double>::infinity();
   const auto after = std::upper_bound(waypoint_at_m_.begin(), waypoint_at_m_.end(), begin_m);
@@ -115,18 +134,22 @@ Twist2 TourDriver::drive(const Pose2& world_from_base) {
   const Eigen::Vector2d position(world_from_base.x_m, world_from_base.y_m);
   advance(position);
   const double left_m = (tour_.waypoints_m.back() - position).norm();
-  if (left_m < kArrived_m && driven_m_ > length_m_ - kLookahead_m) finished_ = true;
+  if (left_m < parameters_.arrived_m && driven_m_ > length_m_ - parameters_.lookahead_m)
+    finished_ = true;
   if (finished_) return {};
-  const Eigen::Vector2d to_target = pointAt(driven_m_ + kLookahead_m) - position;
+  const Eigen::Vector2d to_target = pointAt(driven_m_ + parameters_.lookahead_m) - position;
   const double bearing_rad =
       wrapAngle(std::atan2(to_target.y(), to_target.x()) - world_from_base.yaw_rad);
-  turning_ = std::abs(bearing_rad) > (turning_ ? kTurnOnTheSpotUntil_rad : kTurnOnTheSpotFrom_rad);
-  const double turn_radps =
-      std::clamp(kYawGain_per_s * bearing_rad, -tour_.turn_speed_radps, tour_.turn_speed_radps);
+  turning_ = std::abs(bearing_rad) > (turning_ ? parameters_.turn_on_the_spot_until_rad
+                                               : parameters_.turn_on_the_spot_from_rad);
+  const double turn_radps = std::clamp(parameters_.yaw_gain_per_s * bearing_rad,
+                                       -tour_.turn_speed_radps, tour_.turn_speed_radps);
   if (turning_) return {0.0, 0.0, turn_radps};
-  double forward_mps = tour_.speed_mps * std::max(0.2, 1.0 - std::abs(bearing_rad));
-  if (driven_m_ > length_m_ - 2.0)
-    forward_mps = std::min(forward_mps, std::max(0.05, kStoppingGain_per_s * left_m));
+  double forward_mps =
+      tour_.speed_mps * std::max(parameters_.least_speed_share, 1.0 - std::abs(bearing_rad));
+  if (driven_m_ > length_m_ - parameters_.braking_distance_m)
+    forward_mps = std::min(forward_mps, std::max(parameters_.least_speed_mps,
+                                                 parameters_.stopping_gain_per_s * left_m));
   return {forward_mps, 0.0, turn_radps};
 }
 

@@ -13,8 +13,6 @@
 namespace ramscout_sim {
 namespace {
 
-constexpr double kLargestSize_m = 1e4;
-
 [[noreturn]] void refuse(const std::string& element, const std::string& reason) {
   throw std::invalid_argument(element + ": " + reason);
 }
@@ -23,7 +21,7 @@ Eigen::Isometry3d toIsometry(const urdf::Pose& pose, const std::string& element)
   const urdf::Rotation& r = pose.rotation;
   const Eigen::Vector3d p(pose.position.x, pose.position.y, pose.position.z);
   const Eigen::Quaterniond q(r.w, r.x, r.y, r.z);
-  if (!(p.cwiseAbs().maxCoeff() <= kLargestSize_m) || !q.coeffs().allFinite() || q.norm() < 0.5) {
+  if (!(p.cwiseAbs().maxCoeff() <= kLargestModel_m) || !q.coeffs().allFinite() || q.norm() < 0.5) {
     refuse(element, "origin must be finite and within 10 km");
   }
   return Eigen::Translation3d(p) * q.normalized();
@@ -55,7 +53,7 @@ Solid readShape(const urdf::Geometry& geometry,
     solid.shape = Shape::kMesh;
     solid.mesh = std::make_shared<TriangleMesh>(std::move(triangles));
   }
-  if (!(solid.size_m.minCoeff() > 0.0 && solid.size_m.maxCoeff() <= kLargestSize_m)) {
+  if (!(solid.size_m.minCoeff() > 0.0 && solid.size_m.maxCoeff() <= kLargestModel_m)) {
     refuse(element, "sizes must be above 0 and at most 10 km");
   }
   return solid;

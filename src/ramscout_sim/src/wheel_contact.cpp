@@ -5,19 +5,14 @@
 #include <cmath>
 
 namespace ramscout_sim {
-namespace {
-
-constexpr double kWheelSoftness = 1e-6;
-// ODE's solver gives up (and says so) if two wheels reach their friction limits at the very same
-// moment, as those of a symmetric robot do: each wheel has a little more than the one before.
-constexpr double kTieBreaker = 1e-6;
-
-}  // namespace
-
-WheelContact::WheelContact(const Wheel& wheel, std::size_t number)
+WheelContact::WheelContact(const Wheel& wheel,
+                           std::size_t number,
+                           const PhysicsParameters& parameters)
     : description(wheel),
       inertia_kgm2(wheel.axle_in_base.dot(wheel.mass.inertia_kgm2 * wheel.axle_in_base)),
-      friction_share(1.0 + kTieBreaker * static_cast<double>(number)) {
+      friction_share(1.0 + parameters.wheel_tie_breaker * static_cast<double>(number)),
+      softness(parameters.wheel_softness),
+      friction_softness(parameters.friction_softness) {
   if (wheel.max_torque_nm == 0.0) fixed_torque_nm = 0.0;
 }
 
@@ -38,14 +33,14 @@ void WheelContact::touch(const Ground& ground,
   surface.mode = dContactMu2 | dContactFDir1 | dContactMotion1 | dContactSlip1 | dContactSoftCFM;
   surface.mu = friction * load_n * friction_share;
   surface.mu2 = description.omni ? 0.0 : surface.mu;
-  surface.soft_cfm = kWheelSoftness;
+  surface.soft_cfm = softness;
 }
 
 void WheelContact::drive(double duration_s, double target_radps) {
   dSurfaceParameters& surface = contact.surface;
   const double radius_m = description.radius_m;
   surface.motion1 = radius_m * target_radps;
-  surface.slip1 = kFrictionSoftness;
+  surface.slip1 = friction_softness;
   if (fixed_torque_nm) {
     const double per_torque = duration_s / inertia_kgm2;
     surface.motion1 = radius_m * (speed_radps + per_torque * *fixed_torque_nm);

@@ -3,13 +3,12 @@
 
 #include <optional>
 
+#include "ramscout_sim/physics_parameters.hpp"
+
 #include "ground.hpp"
 #include "ode_objects.hpp"
 
 namespace ramscout_sim {
-
-// Two wheels on one axle resist the same motion.
-constexpr double kFrictionSoftness = 1e-9;
 
 /// A wheel, how it spins, and its contact with the ground in the step under way.
 struct WheelContact {
@@ -17,6 +16,8 @@ struct WheelContact {
   Eigen::Vector3d center_in_body_m = Eigen::Vector3d::Zero();
   double inertia_kgm2 = 0.0;  // about the axle
   double friction_share = 1.0;
+  double softness = 0.0;  // ODE's CFM: of the contact, and of its friction
+  double friction_softness = 0.0;
   double steering_rad = 0.0;
   double angle_rad = 0.0;
   double speed_radps = 0.0;
@@ -31,7 +32,7 @@ struct WheelContact {
   dJointFeedback force = {};
 
   /// \param number  of wheels before it
-  WheelContact(const Wheel& wheel, std::size_t number);
+  WheelContact(const Wheel& wheel, std::size_t number, const PhysicsParameters& parameters);
 
   Eigen::Vector3d axleInBody() const;
   /// Finds the contact, from where the wheel is now.

@@ -20,8 +20,8 @@ Solid makeWall(const Eigen::Vector2d& begin_m,
 Solid makeRamp(const Eigen::Vector2d& begin_m,
                const Eigen::Vector2d& end_m,
                double width_m,
-               double height_m) {
-  constexpr double kThickness_m = 0.05;
+               double height_m,
+               double thickness_m) {
   const Eigen::Vector2d along = end_m - begin_m;
   const Eigen::Vector2d middle = 0.5 * (begin_m + end_m);
   Solid ramp;
@@ -31,8 +31,8 @@ Solid makeRamp(const Eigen::Vector2d& begin_m,
       Eigen::AngleAxisd(std::atan2(along.y(), along.x()), Eigen::Vector3d::UnitZ()));
   ramp.world_from_solid.rotate(
       Eigen::AngleAxisd(-std::atan2(height_m, along.norm()), Eigen::Vector3d::UnitY()));
-  ramp.world_from_solid.translate(Eigen::Vector3d(0.0, 0.0, -0.5 * kThickness_m));
-  ramp.size_m = {std::hypot(along.norm(), height_m), width_m, kThickness_m};
+  ramp.world_from_solid.translate(Eigen::Vector3d(0.0, 0.0, -0.5 * thickness_m));
+  ramp.size_m = {std::hypot(along.norm(), height_m), width_m, thickness_m};
   return ramp;
 }
 

@@ -24,13 +24,9 @@ using Point = bg::model::d2::point_xy<double>;
 using Polygon = bg::model::polygon<Point, false>;  // counter-clockwise
 using Polygons = bg::model::multi_polygon<Polygon>;
 
-constexpr double kShortestEdge_m = 2e-3;  // what joining polygons may leave over
-constexpr double kStraight_rad = 0.01;
-constexpr double kGrowth_m = 1e-4;  // closes the slits that rounding leaves between walls
-
 /// Coordinates that are meant to be the same are the same then, and edges on each other are found.
 double onGrid(double coordinate_m) {
-  constexpr double kSteps_per_m = 1 << 16;
+  constexpr double kSteps_per_m = 1 << 16;  // 15 micrometres, exact in binary
   return std::round(coordinate_m * kSteps_per_m) / kSteps_per_m;
 }
 
@@ -45,11 +41,12 @@ Polygon hullOf(const std::vector<Eigen::Vector3d>& points) {
 }
 
 /// Where the plane z = height cuts the edges of a box.
-std::vector<Eigen::Vector3d> sliceBox(const Solid& box, double height_m) {
+std::vector<Eigen::Vector3d> sliceBox(const Solid& box, const CornerParameters& parameters) {
+  const double height_m = parameters.height_m;
   std::vector<Eigen::Vector3d> points;
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 4; ++side) {
-      Eigen::Vector3d a = 0.5 * box.size_m + Eigen::Vector3d::Constant(kGrowth_m);
+      Eigen::Vector3d a = 0.5 * box.size_m + Eigen::Vector3d::Constant(parameters.growth_m);
       a[(axis + 1) % 3] *= side & 1 ? 1.0 : -1.0;
       a[(axis + 2) % 3] *= side & 2 ? 1.0 : -1.0;
       Eigen::Vector3d b = a;
@@ -63,30 +60,30 @@ std::vector<Eigen::Vector3d> sliceBox(const Solid& box, double height_m) {
   return points;
 }
 
-std::vector<Eigen::Vector3d> circle(const Eigen::Vector3d& center, double radius_m) {
-  constexpr int kSides = 64;
+std::vector<Eigen::Vector3d> circle(const Eigen::Vector3d& center, double radius_m, int sides) {
   std::vector<Eigen::Vector3d> points;
-  for (int side = 0; side < kSides; ++side) {
-    const double angle_rad = 2.0 * M_PI * side / kSides;
+  for (int side = 0; side < sides; ++side) {
+    const double angle_rad = 2.0 * M_PI * side / sides;
     points.emplace_back(center +
                         radius_m * Eigen::Vector3d(std::cos(angle_rad), std::sin(angle_rad), 0.0));
   }
   return points;
 }
 
-std::vector<Eigen::Vector3d> slice(const Solid& solid, double height_m) {
+std::vector<Eigen::Vector3d> slice(const Solid& solid, const CornerParameters& parameters) {
   const Eigen::Vector3d center = solid.world_from_solid.translation();
-  const double above_m = height_m - center.z();
+  const double above_m = parameters.height_m - center.z();
   const double radius_m = 0.5 * solid.size_m.x();
   switch (solid.shape) {
     case Shape::kBox:
-      return sliceBox(solid, height_m);
+      return sliceBox(solid, parameters);
     case Shape::kCylinder:
       if (std::abs(above_m) > 0.5 * solid.size_m.z()) return {};
-      return circle(center, radius_m);
+      return circle(center, radius_m, parameters.circle_sides);
     case Shape::kSphere:
       if (std::abs(above_m) >= radius_m) return {};
-      return circle(center, std::sqrt(radius_m * radius_m - above_m * above_m));
+      return circle(center, std::sqrt(radius_m * radius_m - above_m * above_m),
+                    parameters.circle_sides);
     case Shape::kMesh:
       break;
   }
@@ -116,17 +113,18 @@ double turnAt(const Eigen::Vector2d& before,
 }
 
 /// Without points in the middle of straight lines and without tiny edges.
-Ring cleaned(const Polygon::ring_type& points) {
+Ring cleaned(const Polygon::ring_type& points, const CornerParameters& parameters) {
   Ring ring;
   for (const Point& point : points) {
     const Eigen::Vector2d p(point.x(), point.y());
-    if (ring.empty() || (p - ring.back()).norm() > kShortestEdge_m) ring.push_back(p);
+    if (ring.empty() || (p - ring.back()).norm() > parameters.shortest_edge_m) ring.push_back(p);
   }
-  while (ring.size() > 1 && (ring.front() - ring.back()).norm() <= kShortestEdge_m) ring.pop_back();
+  while (ring.size() > 1 && (ring.front() - ring.back()).norm() <= parameters.shortest_edge_m)
+    ring.pop_back();
   for (std::size_t i = 0; ring.size() > 2 && i < ring.size();) {
     const Eigen::Vector2d& before = ring[(i + ring.size() - 1) % ring.size()];
     const Eigen::Vector2d& after = ring[(i + 1) % ring.size()];
-    if (std::abs(turnAt(before, ring[i], after)) < kStraight_rad) {
+    if (std::abs(turnAt(before, ring[i], after)) < parameters.straight_rad) {
       ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
       ++i;
@@ -171,19 +169,45 @@ void appendCorners(const Ring& ring,
 
 }  // namespace
 
+const ram_parameters::ParameterTable<CornerParameters>& CornerParameters::table() {
+  using namespace ram_parameters;
+  using P = CornerParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("height_m", &P::height_m, "m", anyNumber(), "Of the lidar above the floor.")
+          .add("least_wall_m", &P::least_wall_m, "m", atLeast(0.0),
+               "Walls shorter than this make no corner.")
+          .add("least_turn_rad", &P::least_turn_rad, "rad", within(0.0, M_PI),
+               "Angle between two walls below which they make no corner.")
+          .add("resolution_m", &P::resolution_m, "m", positive(),
+               "Of the map that shows what can be reached.")
+          .expert("Geometry")
+          .add("shortest_edge_m", &P::shortest_edge_m, "m", positive(),
+               "Shorter edges are left over from joining polygons and dropped.")
+          .add("straight_rad", &P::straight_rad, "rad", atLeast(0.0),
+               "Turns below this are part of a straight wall.")
+          .add("growth_m", &P::growth_m, "m", atLeast(0.0),
+               "Boxes grow by this to all sides, which closes the slits that rounding leaves "
+               "between walls.")
+          .add("circle_sides", &P::circle_sides, "", within(3, 10000),
+               "Sides of the polygon that stands for a cylinder or sphere.");
+  return table;
+}
+
 std::vector<WorldCorner> cornersOf(const World& world, const CornerParameters& parameters) {
+  CornerParameters::table().check(parameters);
   std::vector<Polygon> polygons;
   for (const Solid& solid : world.solids) {
     if (!solid.seen) continue;
-    const std::vector<Eigen::Vector3d> points = slice(solid, parameters.height_m);
+    const std::vector<Eigen::Vector3d> points = slice(solid, parameters);
     if (points.size() >= 3) polygons.push_back(hullOf(points));
   }
   const MapImage map = drawMap(world, parameters.height_m, parameters.resolution_m);
   std::vector<WorldCorner> corners;
   for (const Polygon& polygon : joined(polygons, 0, polygons.size())) {
-    appendCorners(cleaned(polygon.outer()), parameters, map, corners);
+    appendCorners(cleaned(polygon.outer(), parameters), parameters, map, corners);
     for (const auto& hole : polygon.inners())
-      appendCorners(cleaned(hole), parameters, map, corners);
+      appendCorners(cleaned(hole, parameters), parameters, map, corners);
   }
   std::sort(corners.begin(), corners.end(), [](const WorldCorner& a, const WorldCorner& b) {
     return std::lexicographical_compare(a.position_m.begin(), a.position_m.end(),
@@ -197,7 +221,7 @@ void writeCorners(const std::vector<WorldCorner>& corners, const std::string& pa
   stream << std::fixed << std::setprecision(6);  // no exponents: not every reader takes 1e-9
   stream << "# Corners of the free space [m, rad] in the world: orientation points into the free "
             "space,\n# opening is its angle, the walls' lengths are those to the left and right of "
-            "somebody who looks\n# at the corner.\ncorners:\n";
+            "somebody who faces\n# the corner.\ncorners:\n";
   for (const WorldCorner& corner : corners) {
     stream << "  - {x: " << corner.position_m.x() << ", y: " << corner.position_m.y()
            << ", orientation_rad: " << corner.orientation_rad

@@ -9,8 +9,6 @@ namespace {
 
 using ram_parameters::ParameterReader;
 
-constexpr double kLargestCoordinate_m = 1e5;
-
 void requirePositive(const std::string& name, const char* key, double value) {
   if (!(value > 0.0 && value <= kLargestCoordinate_m)) {
     throw std::invalid_argument(name + "." + key + ": must be > 0, got " + std::to_string(value));
@@ -52,7 +50,7 @@ Solid readWall(ParameterReader& reader, const std::string& name) {
   const std::vector<double> begin = readVector(reader, name, "from", 2);
   const std::vector<double> end = readVector(reader, name, "to", 2);
   double thickness_m = 0.1;
-  double height_m = 2.5;
+  double height_m = kWallHeight_m;
   reader.read("thickness_m", thickness_m);
   reader.read("height_m", height_m);
   const double bottom_m = readBottom(reader, name);
@@ -98,7 +96,7 @@ Solid readRamp(ParameterReader& reader, const std::string& name) {
 Solid readCylinder(ParameterReader& reader, const std::string& name) {
   const std::vector<double> center = readVector(reader, name, "center", 2);
   double radius_m = 0.0;
-  double height_m = 2.5;
+  double height_m = kWallHeight_m;
   reader.read("radius_m", radius_m);
   reader.read("height_m", height_m);
   const double bottom_m = readBottom(reader, name);

@@ -18,8 +18,6 @@ namespace {
 
 using ram_parameters::ParameterReader;
 
-constexpr double kMapWallHeight_m = 2.5;
-
 /// One list of the world file: hands each element to `read` with a reader that names it in errors.
 void readList(const YAML::Node& file,
               const std::string& path,
@@ -226,10 +224,10 @@ private:
 World fromMap(const std::string& path) {
   const MapImage map = readMap(path);
   World world;
-  world.solids = extrude(map, kMapWallHeight_m);
+  world.solids = extrude(map, kWallHeight_m);
   if (world.solids.empty()) return world;
   for (Solid& box : world.solids) box.seen = false;
-  world.solids.push_back(extrudeOutlines(map, kMapWallHeight_m));
+  world.solids.push_back(extrudeOutlines(map, kWallHeight_m));
   return world;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_sim/lidar.hpp"
 #include "ramscout_sim/world.hpp"
 
@@ -17,6 +18,22 @@ struct Footprint {
   double radius_m = 0.0;
 };
 
+/// How people and doors behave, and how large people are.
+struct ActorParameters {
+  double period_s = 0.01;  ///< how often they, other robots and the driver of a tour react
+  double memory_s = 0.25;  ///< how long their poses are kept
+  double touch_range_m = 1.0;
+  double person_radius_m = 0.3;
+  double person_caution_m = 0.2;
+  double door_caution_m = 0.03;
+  double leg_radius_m = 0.08;
+  double hip_width_m = 0.24;
+  double stride_m = 1.4;  ///< both steps
+  double torso_radius_m = 0.18;
+
+  static const ram_parameters::ParameterTable<ActorParameters>& table();
+};
+
 /// What moves in a world: people on two legs, doors, and guests, whose poses others decide.
 ///
 /// People and doors stop where they would touch a robot, and go on when it is out of their way:
@@ -24,7 +41,7 @@ struct Footprint {
 /// nothing but the world, the commands and the robots' ways.
 class Actors {
 public:
-  explicit Actors(const World& world);
+  explicit Actors(const World& world, const ActorParameters& parameters = {});
 
   bool empty() const { return people_.empty() && doors_.empty() && guests_.empty(); }
 
@@ -38,15 +55,16 @@ public:
   /// Shapes of other robots, where they are now.
   void setGuests(std::vector<Solid> guests);
 
-  /// Moves everything on to `now_s`, simulated time; to be called at least once in a while of
-  /// 0.01 s, and does something that often only.
+  /// Moves everything on to `now_s`, simulated time; to be called at least once in
+  /// ActorParameters::period_s, and does something that often only.
   /// \return whether it did
   bool advance(double now_s, const std::vector<Footprint>& robots);
 
   /// Legs, bodies, leaves and guests, where they are now.
   std::vector<Solid> solids() const;
 
-  /// Where they were when a sweep that began at `stamp_s` passed each of them; at most 0.25 s ago.
+  /// Where they were when a sweep that began at `stamp_s` passed each of them; at most
+  /// ActorParameters::memory_s ago.
   std::vector<Solid> solidsInSweep(double stamp_s,
                                    const Eigen::Isometry3d& world_from_laser,
                                    const LidarParameters& lidar) const;
@@ -73,6 +91,7 @@ private:
   void remember(double now_s);
   Eigen::Isometry3d poseAt(std::size_t solid, double time_s) const;
 
+  ActorParameters parameters_;
   std::vector<Walker> people_;
   std::vector<Leaf> doors_;
   std::vector<Solid> guests_;

@@ -18,6 +18,8 @@ struct DriveParameters {
   double max_turn_acceleration_radps2 = 4.0;
   /// A command older than this counts as zero.
   double command_timeout_s = 0.5;
+  /// Slower commands leave the steering of a car as it is.
+  double standing_speed_mps = 1e-3;
 
   static const ram_parameters::ParameterTable<DriveParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks

@@ -38,6 +38,7 @@ private:
   void introduce();
 
   std::vector<Simulation> robots_;
+  std::int64_t period_ns_ = 0;  // how often robots notice where the others are
   std::int64_t introduced_ns_ = 0;
 };
 

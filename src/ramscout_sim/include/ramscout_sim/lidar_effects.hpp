@@ -21,7 +21,7 @@ struct Illumination {
   const std::vector<BeamWindow>& windows;
 };
 
-/// Distances that the light of each beam tells, before noise: through glass and along mirrors,
+/// Distances that the light of each beam measures, before noise: through glass and along mirrors,
 /// mixed at edges, +Inf where too little comes back.
 ///
 /// \param first_reading  index of the first beam's reading in the run; with `seed` it keys the

@@ -7,6 +7,26 @@
 
 namespace ramscout_sim {
 
+/// How the light of a beam is followed and detected.
+struct LightParameters {
+  /// Reflectivity of the wall that half_detection_range_m is stated for: white paper.
+  double white_reflectivity = 0.9;
+  /// Chance of an answer: 1 / (1 + (half strength / strength)^steepness).
+  double detection_steepness = 4.0;
+  /// Neighbouring readings that differ more have an edge between them.
+  double edge_m = 0.2;
+  /// How far beyond range_max_m surfaces can still make an edge.
+  double beyond_range_m = 1.0;
+  /// Rays that stand for the footprint of a beam at an edge.
+  int footprint_rays = 5;
+  /// Most surfaces that one beam passes or is mirrored by.
+  int max_surfaces = 16;
+  /// How far behind a surface light goes on, so that it does not meet it again.
+  double behind_surface_m = 1e-4;
+
+  static const ram_parameters::ParameterTable<LightParameters>& table();
+};
+
 /// A planar lidar; defaults are a Hokuyo UTM-30LX.
 struct LidarParameters {
   /// Which lidar the other values belong to unless they are set themselves; see lidarPreset.
@@ -42,6 +62,7 @@ struct LidarParameters {
   /// Echoes of one beam that are less apart merge into one between them (a mixed pixel); of others
   /// the strongest counts.
   double pulse_length_m = 0.3;
+  LightParameters light;
 
   static const ram_parameters::ParameterTable<LidarParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks

@@ -10,6 +10,7 @@
 
 namespace ramscout_sim {
 
+/// Cells along a side: a picture of 256 MiB.
 constexpr int kLargestMapSide_cells = 16384;
 
 enum class Cell : std::uint8_t { kFree, kOccupied, kUnknown };
@@ -48,10 +49,14 @@ std::vector<Solid> extrude(const MapImage& map, double height_m);
 std::vector<std::vector<Eigen::Vector2d>> outlinesOf(const MapImage& map, double tolerance_cells);
 
 /// Simplified outlines as upright walls for the lidar: a robot passes through (`solid` is false).
-Solid extrudeOutlines(const MapImage& map, double height_m);
+///
+/// \param tolerance_cells  as of outlinesOf; the steps of a slanted wall are less than a cell off
+/// its line
+Solid extrudeOutlines(const MapImage& map, double height_m, double tolerance_cells = 1.0);
 
 /// The true map: what a perfect horizontal lidar at `height_m` would find. Cells that a solid
 /// touches are occupied, those connected to the start are free, the others unknown.
-MapImage drawMap(const World& world, double height_m, double resolution_m);
+/// \param margin_m  that the map extends beyond the solids
+MapImage drawMap(const World& world, double height_m, double resolution_m, double margin_m = 1.0);
 
 }  // namespace ramscout_sim

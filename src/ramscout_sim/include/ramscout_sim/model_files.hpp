@@ -8,9 +8,13 @@
 
 namespace ramscout_sim {
 
+/// Models reach no farther from their origin than 10 km: more is a sign of another unit than
+/// metres.
+constexpr double kLargestModel_m = 1e4;
+
 /// The triangles of an STL, DAE or OBJ file, in metres, z up.
 ///
-/// A DAE file says its unit and its up axis itself; STL and OBJ are taken as metres with z up.
+/// A DAE file states its unit and its up axis itself; STL and OBJ are taken as metres with z up.
 /// Lines, points and triangles without area are dropped. \throws std::runtime_error naming the file
 /// if it cannot be read, has no triangles, or reaches beyond 10 km (are the units metres?)
 TriangleMesh readMesh(const std::string& path);

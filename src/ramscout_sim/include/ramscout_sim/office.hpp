@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "ram_parameters/parameter_reader.hpp"
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_sim/tour.hpp"
 #include "ramscout_sim/world.hpp"
 
@@ -25,8 +25,14 @@ struct OfficeParameters {
   double movable_door_share = 0.0;
   int people = 0;  ///< who walk around the blocks
 
+  double wall_thickness_m = 0.15;
+  double wall_height_m = kWallHeight_m;
+  double pane_thickness_m = 0.02;
+  double shortest_room_m = 3.0;  ///< along x
+
+  static const ram_parameters::ParameterTable<OfficeParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
+  void validate() const { table().check(*this); }
   double length_m() const {
     return blocks_along_x * (block_length_m + corridor_width_m) + corridor_width_m;
   }

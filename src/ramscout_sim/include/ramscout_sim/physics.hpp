@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "ramscout_sim/physics_parameters.hpp"
 #include "ramscout_sim/pose2.hpp"
 #include "ramscout_sim/robot_description.hpp"
 #include "ramscout_sim/world.hpp"
@@ -34,12 +35,15 @@ struct WheelMotion {
 class Physics {
 public:
   /// \throws std::invalid_argument if the robot starts inside a solid
-  Physics(const RobotDescription& robot, const World& world, const Pose2& world_from_base);
+  Physics(const RobotDescription& robot,
+          const World& world,
+          const Pose2& world_from_base,
+          const PhysicsParameters& parameters = {});
   ~Physics();
   Physics(Physics&&) noexcept;
   Physics& operator=(Physics&&) noexcept;
 
-  /// Advances by `duration_s`; the motors try to turn the wheels as told, within their torque;
+  /// Advances by `duration_s`; the motors try to turn the wheels like that, within their torque;
   /// steering follows at once. \throws std::runtime_error if the result is absurd; the
   /// simulation must not go on then
   void step(double duration_s, const WheelMotion& motion);

@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_sim/world.hpp"
 
 namespace ramscout_sim {
@@ -81,6 +82,18 @@ struct RobotDescription {
   }
 };
 
+/// What a URDF may hold: numbers beyond these are a sign of wrong units.
+struct RobotLimits {
+  double min_mass_kg = 1e-3;  ///< of a link
+  double max_mass_kg = 1e3;
+  double min_shape_m = 1e-3;      ///< of a collision element
+  double min_size_m = 0.05;       ///< of the chassis, of a track and of a wheelbase
+  double max_size_m = 5.0;        ///< of a collision element and of the chassis
+  double touches_floor_m = 2e-3;  ///< what is no farther from the floor touches it
+
+  static const ram_parameters::ParameterTable<RobotLimits>& table();
+};
+
 /// Two bodies as one (parallel axis theorem).
 MassProperties combined(const MassProperties& a, const MassProperties& b);
 
@@ -96,11 +109,15 @@ MassProperties combined(const RobotDescription& robot);
 /// \param urdf  the XML text
 /// \param laser_frame  the link that is the lidar; must be fixed to the base
 /// \throws std::invalid_argument naming the element that is missing, impossible or out of
-/// proportion (the chassis 0.05 to 5 m, its parts 1 mm to 5 m, masses 1 g to 1 t), or with the
+/// proportion (beyond `limits`), or with the
 /// parser's own words if the XML is not a URDF
-RobotDescription parseRobot(const std::string& urdf, const std::string& laser_frame = "laser");
+RobotDescription parseRobot(const std::string& urdf,
+                            const std::string& laser_frame = "laser",
+                            const RobotLimits& limits = {});
 
 /// The same from a file. \throws std::runtime_error if it cannot be read
-RobotDescription readRobot(const std::string& path, const std::string& laser_frame = "laser");
+RobotDescription readRobot(const std::string& path,
+                           const std::string& laser_frame = "laser",
+                           const RobotLimits& limits = {});
 
 }  // namespace ramscout_sim

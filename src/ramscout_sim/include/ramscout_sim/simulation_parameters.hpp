@@ -2,9 +2,12 @@
 #pragma once
 
 #include "ram_parameters/parameter_table.hpp"
+#include "ramscout_sim/actors.hpp"
 #include "ramscout_sim/drive.hpp"
 #include "ramscout_sim/lidar_parameters.hpp"
+#include "ramscout_sim/physics_parameters.hpp"
 #include "ramscout_sim/ray_caster.hpp"
+#include "ramscout_sim/tour.hpp"
 #include "ramscout_sim/wheel_odometry.hpp"
 
 namespace ramscout_sim {
@@ -18,6 +21,14 @@ struct SimulationParameters {
   DriveParameters drive;
   OdometryParameters odometry;
   LidarParameters lidar;
+  PhysicsParameters physics;
+  ActorParameters actors;
+  TourDriverParameters tour_driver;
+  /// How many shares of its way the fault `push` tries, the whole first, until one ends in the
+  /// free.
+  int push_tries = 10;
+  /// Of the cube that the fault `payload` puts on the chassis: water's.
+  double payload_density_kgpm3 = 1000.0;
 
   static const ram_parameters::ParameterTable<SimulationParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks

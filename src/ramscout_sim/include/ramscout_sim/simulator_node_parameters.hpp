@@ -35,8 +35,24 @@ struct LockStepParameters {
   double timeout_s = 5.0;
   /// Wall time to wait at the start until every topic has a publisher and scans have a subscriber.
   double start_timeout_s = 30.0;
+  /// While partners are starting, a scan may have reached none of them: no long wait for the first
+  /// answer.
+  double first_answer_s = 0.5;
+  /// How often a wait checks whether ROS is shutting down.
+  double poll_s = 0.05;
 
   static const ram_parameters::ParameterTable<LockStepParameters>& table();
+};
+
+/// Topics of a robot.
+struct TopicParameters {
+  int queue_length = 100;
+  /// Share of a tour after which tour_progress is published again.
+  double progress_step = 1e-3;
+  /// Commands of two nodes on cmd_vel within this time are warned of.
+  double rival_command_s = 2.0;
+
+  static const ram_parameters::ParameterTable<TopicParameters>& table();
 };
 
 /// Everything in config/simulator.yaml.
@@ -51,6 +67,12 @@ struct SimulatorNodeParameters {
   double clock_rate_hz = 100.0;
   LockStepParameters lock_step;
   SimulationParameters simulation;
+  TopicParameters topics;
+  RobotLimits robot_limits;
+  /// Longest that the service `step` runs.
+  double max_step_s = 3600.0;
+  /// A simulation that is later than this does not hurry to catch up.
+  double late_s = 0.1;
   /// At least one; made from `robot_names` and the sections of these names.
   std::vector<RobotParameters> robots = {RobotParameters()};
 

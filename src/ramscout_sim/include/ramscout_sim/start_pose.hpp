@@ -7,14 +7,17 @@
 
 namespace ramscout_sim {
 
-/// A pose with the same heading at which the robot stands free, as near as 0.1 m rings tell, at
-/// most 10 m away.
+/// A pose with the same heading at which the robot stands free, on the nearest ring around the
+/// wanted one (PhysicsParameters::start_ring_m, start_rings: at most 10 m away).
 std::optional<Pose2> nearestFreePose(const RobotDescription& robot,
                                      const World& world,
-                                     const Pose2& wanted);
+                                     const Pose2& wanted,
+                                     const PhysicsParameters& parameters = {});
 
 /// Physics with the robot at the world's start. \throws std::invalid_argument if it would stand
 /// inside a solid, naming the nearest free pose
-Physics startedPhysics(const RobotDescription& robot, const World& world);
+Physics startedPhysics(const RobotDescription& robot,
+                       const World& world,
+                       const PhysicsParameters& parameters = {});
 
 }  // namespace ramscout_sim

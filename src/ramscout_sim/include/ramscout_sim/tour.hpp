@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_sim/pose2.hpp"
 
 namespace ramscout_sim {
@@ -28,12 +29,26 @@ struct Tour {
 /// reason
 Tour readTour(const std::string& path);
 
+struct TourDriverParameters {
+  double lookahead_m = 0.5;
+  double yaw_gain_per_s = 3.0;
+  double turn_on_the_spot_from_rad = 0.8;
+  double turn_on_the_spot_until_rad = 0.1;
+  double least_speed_share = 0.2;
+  double braking_distance_m = 2.0;
+  double stopping_gain_per_s = 1.5;
+  double least_speed_mps = 0.05;
+  double arrived_m = 0.05;
+
+  static const ram_parameters::ParameterTable<TourDriverParameters>& table();
+};
+
 /// Drives a tour knowing the true pose: heads for the point a little further on the way (pure
 /// pursuit, Coulter 1992), turns on the spot where the way bends sharply, stops at the end.
 class TourDriver {
 public:
   /// \throws std::invalid_argument from Tour::validate
-  explicit TourDriver(const Tour& tour);
+  explicit TourDriver(const Tour& tour, const TourDriverParameters& parameters = {});
 
   Twist2 drive(const Pose2& world_from_base);
 
@@ -45,6 +60,7 @@ private:
   Eigen::Vector2d pointAt(double way_m) const;
 
   Tour tour_;
+  TourDriverParameters parameters_;
   std::vector<double> waypoint_at_m_;  // way from the start to each waypoint
   double length_m_ = 0.0;
   double driven_m_ = 0.0;

@@ -81,6 +81,12 @@ struct Door {
   std::size_t material = 0;
 };
 
+/// Files, maps and poses lie within 100 km of the origin: single precision, which rays are cast in,
+/// still resolves 8 mm there.
+constexpr double kLargestCoordinate_m = 1e5;
+/// Of walls, cylinders and maps that state no height: a room's.
+constexpr double kWallHeight_m = 2.5;
+
 /// What the world consists of; z up, the floor is the plane z = 0.
 struct World {
   std::vector<Solid> solids;
@@ -107,7 +113,8 @@ Solid makeWall(const Eigen::Vector2d& begin_m,
 Solid makeRamp(const Eigen::Vector2d& begin_m,
                const Eigen::Vector2d& end_m,
                double width_m,
-               double height_m);
+               double height_m,
+               double thickness_m = 0.05);
 
 /// Corners of the smallest upright box around a solid, in world axes.
 Eigen::AlignedBox3d boundsOf(const Solid& solid);
@@ -123,7 +130,7 @@ std::vector<Material> standardMaterials();
 /// `image`), a URDF, an SDF, or a mesh (STL, DAE, OBJ).
 ///
 /// A world file is described in config/worlds/README.md. A map's occupied cells become walls of 2.5
-/// m. Where the file does not say otherwise, the robot starts at the origin.
+/// m. Where the file states no start, the robot starts at the origin.
 /// \throws std::runtime_error or std::invalid_argument naming file, element and reason
 World readWorld(const std::string& path);
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ramscout_sim/world.hpp"
 
 namespace ramscout_sim {
@@ -16,7 +17,7 @@ struct WorldCorner {
   /// Angle of the free space between the two walls: a room's corner pi / 2, a pillar's 3/2 pi.
   double opening_rad = 0.0;
   /// Lengths of the two walls, to the left and to the right for somebody who stands in the free
-  /// space and looks at the corner.
+  /// space and faces the corner.
   double left_wall_m = 0.0;
   double right_wall_m = 0.0;
 };
@@ -25,7 +26,13 @@ struct CornerParameters {
   double height_m = 0.37;      ///< of the lidar
   double least_wall_m = 0.05;  ///< walls shorter than this make no corner
   double least_turn_rad = 0.35;
-  double resolution_m = 0.05;  ///< of the map that says what can be reached
+  double resolution_m = 0.05;     ///< of the map that shows what can be reached
+  double shortest_edge_m = 2e-3;  ///< shorter ones are left over from joining polygons
+  double straight_rad = 0.01;     ///< turns below this are part of a straight wall
+  double growth_m = 1e-4;         ///< closes the slits that rounding leaves between walls
+  int circle_sides = 64;          ///< of the polygon that stands for a cylinder or sphere
+
+  static const ram_parameters::ParameterTable<CornerParameters>& table();
 };
 
 /// The corners where two straight walls of boxes, cylinders and spheres meet, seen from the space

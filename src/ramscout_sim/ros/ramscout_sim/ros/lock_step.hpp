@@ -18,7 +18,9 @@ namespace ramscout_sim_ros {
 /// answered when every topic has brought a message with the scan's stamp or a later one.
 class LockStep {
 public:
-  LockStep(ros::NodeHandle& node, const ramscout_sim::LockStepParameters& parameters);
+  LockStep(ros::NodeHandle& node,
+           const ramscout_sim::LockStepParameters& parameters,
+           int queue_length);
 
   /// Blocks until everybody is connected, shutdown, or the time-out. \param scans  the topic the
   /// others listen to

@@ -12,6 +12,7 @@
 #include "ramscout_sim/InjectFault.h"
 #include "ramscout_sim/SetPose.h"
 #include "ramscout_sim/fleet.hpp"
+#include "ramscout_sim/simulator_node_parameters.hpp"
 
 namespace ramscout_sim_ros {
 
@@ -19,10 +20,13 @@ namespace ramscout_sim_ros {
 /// name and frames begin with `name/`.
 class RobotInterface {
 public:
-  /// Does something with the robot's simulation while nobody else does.
+  /// Does something with the robot's simulation while no other thread does.
   using Access = std::function<void(const std::function<void(ramscout_sim::Simulation&)>&)>;
 
-  RobotInterface(const std::string& name, const ramscout_sim::FleetMember& member, Access access);
+  RobotInterface(const std::string& name,
+                 const ramscout_sim::FleetMember& member,
+                 const ramscout_sim::TopicParameters& topics,
+                 Access access);
   RobotInterface(const RobotInterface&) = delete;
   RobotInterface& operator=(const RobotInterface&) = delete;
 
@@ -47,6 +51,7 @@ private:
   std::string prefix_;  // of frames
   ramscout_sim::RobotDescription robot_;
   ramscout_sim::SimulationParameters parameters_;
+  ramscout_sim::TopicParameters topics_;
   bool has_tour_;
   Access access_;
   double published_progress_ = -1.0;
