@@ -7,8 +7,6 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "ramscout_feature_detector/processing_picture.hpp"
-
 #include "polygon_world.hpp"
 
 namespace ramscout_feature_detector {
@@ -70,7 +68,7 @@ TEST(FeatureDetector, StraightWallYieldsNothing) {
 
 class Noise : public testing::TestWithParam<double> {};
 
-TEST_P(Noise, ErrorsOfCornersAreAsLargeAsTheCovarianceSays) {
+TEST_P(Noise, ErrorsOfCornersAgreeWithTheCovariance) {
   FeatureDetectorParameters parameters;
   parameters.laser_range_sigma = GetParam();
   const FeatureDetector detector(parameters);
@@ -149,21 +147,6 @@ TEST(FeatureDetector, NoFeaturesAtTheShadowsOfABox) {
     }
   }
   EXPECT_GT(corners, 20);
-}
-
-TEST(PictureOfProcessing, ShowsRasterResponseAndCorner) {
-  ram_slam::Random random(7);
-  const auto scan = twoWalls(M_PI_2).scan({}, kNoiseM, random);
-  const Picture picture = pictureOfProcessing(FeatureDetector({}), scan);
-  ASSERT_EQ(picture.columns, 1500);
-  ASSERT_EQ(picture.rows, 500);
-  const auto red = [&](int row, int column) { return picture.rgb[3 * (row * 1500 + column)]; };
-  const int row = 250;          // y = 0
-  const int column = 250 + 75;  // x = 3 m at 25 pixels per metre
-  EXPECT_GT(red(row, column), 150);
-  EXPECT_GT(red(row, 500 + column - 2), 50);
-  EXPECT_EQ(red(row, 1000 + column), 255);
-  EXPECT_EQ(red(row, 1000 + 250), 0);
 }
 
 TEST(FeatureDetector, RefusesScansItCannotUse) {

@@ -41,7 +41,7 @@ TEST(PolarGrid, OtherTextsAreNoGrid) {
   EXPECT_FALSE(PolarGrid::parse(text.substr(0, text.size() - 1) + "="));
 }
 
-TEST(PolarGrid, BisectorOfARoomsCornerLooksIntoFreeSpace) {
+TEST(PolarGrid, BisectorOfARoomsCornerPointsIntoFreeSpace) {
   const PolarGrid grid = gridInARoom(-2.36);
   EXPECT_EQ(grid.at(3, 0), PolarGrid::kFree);
   EXPECT_EQ(grid.at(3, 12), PolarGrid::kUnknown);
@@ -85,7 +85,7 @@ TEST(ComparableGrid, DistanceIsThatOfTheFormula) {
   }
 }
 
-TEST(ComparableGrid, GridsThatShareTooLittleSayNothing) {
+TEST(ComparableGrid, GridsThatShareTooLittleHaveNoDistance) {
   PolarGrid a;
   PolarGrid b;
   for (int cell = 0; cell < 30; ++cell) {
@@ -95,7 +95,7 @@ TEST(ComparableGrid, GridsThatShareTooLittleSayNothing) {
   EXPECT_FALSE(distanceOf(a, b));
 }
 
-TEST(CornerMatcher, EqualSurroundingsSpeakForTheSameCorner) {
+TEST(CornerMatcher, EqualSurroundingsSupportTheSameCorner) {
   const CornerMatcher matcher;
   const auto a = matcher.parse(gridInARoom(-2.36).toString());
   const auto b = matcher.parse(gridInARoom(-2.36 + M_PI).toString());
@@ -104,7 +104,7 @@ TEST(CornerMatcher, EqualSurroundingsSpeakForTheSameCorner) {
   EXPECT_LE(matcher.logLikelihoodRatio(*a, *b), 0.0);
 }
 
-TEST(CornerMatcher, UnreadableClassifiersSayNothing) {
+TEST(CornerMatcher, UnreadableClassifiersAreIgnored) {
   EXPECT_EQ(CornerMatcher().parse("pg9:unheard-of"), nullptr);
   EXPECT_EQ(CornerMatcher().parse(std::string(5000, 'A')), nullptr);
 }

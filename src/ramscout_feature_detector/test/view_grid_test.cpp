@@ -86,7 +86,7 @@ TEST(ViewGrid, ViewsFromNearbyAreAlikeAndOtherPlacesAreNot) {
   EXPECT_LT(ratio(grid, other), 0.0);
 }
 
-TEST(ViewGrid, NothingSeenSaysNothing) {
+TEST(ViewGrid, NothingSeenDecidesNothing) {
   const auto empty = ViewGrid::parse("pg2:8x48:8.0:100:" + std::string(128, 'A'));
   ASSERT_TRUE(empty);
   EXPECT_FALSE(ComparableView(*empty).distance(ComparableView(*empty)));
