@@ -1,5 +1,5 @@
 # The commands of this project; README.md says what each leaves behind.
-.PHONY: deps build demo test bench benchmark-logs lint format clean
+.PHONY: deps build demo test bench benchmark-logs parameters lint format clean
 
 deps:
 	@scripts/install_dependencies.sh
@@ -19,6 +19,9 @@ bench: deps
 # LOGS: a folder of CARMEN logs with their relations
 benchmark-logs: build
 	@bash -c 'source scripts/environment.sh && source devel/setup.bash && scripts/benchmark_logs.py "$(abspath $(LOGS))" results/logs'
+
+parameters: build
+	@devel/lib/ramscout_bringup/parameter_reference .
 
 lint: deps
 	@scripts/check_source.sh
