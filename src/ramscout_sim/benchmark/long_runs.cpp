@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What takes too long for a test: ten minutes of ramming walls, 1e5 rays beside ODE's in three
 // worlds, ten runs of ten minutes to the bit. Prints figures; the exit code is 1 if one is not as
-// docs/simulator.md says.
+// docs/simulator.md states.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

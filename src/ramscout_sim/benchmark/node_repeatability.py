@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Runs the simulator node several times and compares every byte it publishes.
 
-Every run is stepped; some have nobody listening for the first half, some two listeners. The SHA-256 is that of all
+Every run is stepped; some have no listener for the first half, some two listeners. The SHA-256 is that of all
 messages of each topic in the second half, without the sequence numbers that roscpp counts per publisher.
 
 Usage: roscore & /usr/bin/python3 src/ramscout_sim/benchmark/node_repeatability.py WORLD TOUR ROBOT [RUNS [SECONDS]]

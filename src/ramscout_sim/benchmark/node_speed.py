@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """How fast the simulator node runs with one subscriber to its scans: simulated seconds per CPU and per wall second.
 
-The simulator has processor 0 to itself as far as this program can tell.
+The simulator has processor 0 to itself as far as this program can arrange.
 
 Usage: roscore & /usr/bin/python3 src/ramscout_sim/benchmark/node_speed.py WORLD TOUR ROBOT [key:=value of the simulator ...]
 """

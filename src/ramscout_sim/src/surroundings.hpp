@@ -27,7 +27,7 @@ public:
                                  const Eigen::Vector3d& center_m,
                                  double reach_m);
 
-  /// The robot is elsewhere: the next step looks for solids again.
+  /// The robot is elsewhere: the next step searches for solids again.
   void forgetWhatIsNear();
 
   /// Adds where the chassis touches `other` to `contacts`.

@@ -186,7 +186,7 @@ TEST(Omni, ItsCovarianceIsHonest) {
   EXPECT_NEAR(sum / kRuns, 3.0, 3.0 * std::sqrt(6.0 / kRuns));
 }
 
-TEST(RobotDescription, TellsTheKindOfTheShippedBases) {
+TEST(RobotDescription, FindsTheKindOfTheShippedBases) {
   EXPECT_EQ(shipped("ramscout").kind, BaseKind::kDifferential);
   EXPECT_EQ(shipped("car").kind, BaseKind::kAckermann);
   EXPECT_EQ(shipped("omni").kind, BaseKind::kOmnidirectional);

@@ -55,7 +55,7 @@ World wallAt(double distance_m) {
   return world;
 }
 
-/// Readings of one beam that looks straight at a wall.
+/// Readings of one beam that meets a wall head-on.
 std::vector<double> readWall(const LidarParameters& parameters, double distance_m, int count) {
   LidarParameters two_beams = parameters;
   two_beams.beams = 2;
@@ -213,7 +213,7 @@ TEST(Lidar, RoundsToItsResolution) {
     EXPECT_NEAR(reading / 0.01, std::round(reading / 0.01), 1e-3);
 }
 
-TEST(Lidar, SaysWithInfinityWhatIsOutOfRange) {
+TEST(Lidar, ReportsInfinityForWhatIsOutOfRange) {
   EXPECT_EQ(readWall(perfect(), 30.5, 1)[0], kInfinity);
   EXPECT_EQ(readWall(perfect(), 0.05, 1)[0], -kInfinity);
   EXPECT_THAT(readWall(perfect(), 29.5, 1), Each(::testing::DoubleNear(29.5, 1e-4)));

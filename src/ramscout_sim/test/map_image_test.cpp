@@ -213,7 +213,7 @@ TEST(Extrude, MakesOneBoxOfAWall) {
   EXPECT_TRUE(solids[0].world_from_solid.translation().isApprox(Eigen::Vector3d(0.25, 0.1, 1.0)));
 }
 
-TEST(Extrude, PutsTheBoxesWhereTheOriginSays) {
+TEST(Extrude, PutsTheBoxesRelativeToTheOrigin) {
   const std::vector<Solid> solids = extrude(draw({"..#"}, {1.0, 2.0, M_PI_2}), 2.0);
   ASSERT_EQ(solids.size(), 1U);
   EXPECT_TRUE(

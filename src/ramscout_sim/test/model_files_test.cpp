@@ -202,7 +202,7 @@ constexpr const char* kUrdf = R"(<robot name="shed">
 <collision><geometry><mesh filename="box.stl" scale="2 2 2"/></geometry></collision></link>
 </robot>)";
 
-TEST(UrdfWorld, PutsCollisionShapesWhereTheJointsSay) {
+TEST(UrdfWorld, PutsCollisionShapesAtTheEndOfTheirJoints) {
   const TemporaryFolder folder;
   folder.write("box.stl", boxStl());
   const World world = readWorld(folder.write("shed.urdf", kUrdf));

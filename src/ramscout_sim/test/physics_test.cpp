@@ -51,7 +51,7 @@ Pose2 poseOf(const Physics& physics) {
   return toPose2(physics.worldFromBase());
 }
 
-/// What the encoders of the nominal robot say, without noise, ticks or slip.
+/// What the encoders of the nominal robot report, without noise, ticks or slip.
 class Odometer {
 public:
   explicit Odometer(const Physics& physics) : last_(physics.wheelAngles_rad()) {}
@@ -319,7 +319,7 @@ TEST(Physics, TenMetresStraightAreTenMetresOfWheel) {
   EXPECT_NEAR(poseOf(physics).yaw_rad, 0.0, 1e-6);
 }
 
-TEST(Physics, ASquareOfFiveMetresReturnsWhereTheOdometrySays) {
+TEST(Physics, ASquareOfFiveMetresEndsWhereTheOdometryDoes) {
   Physics physics = onOpenFloor(shippedRobot());
   Odometer odometer(physics);
   for (int side = 0; side < 4; ++side) {
@@ -390,7 +390,7 @@ TEST(Physics, UmbmarkRecoversUnequalWheelsAndAWrongTrack) {
     const Pose2 left = driveSquare(robot, M_PI_2);
     const Pose2 right = driveSquare(robot, -M_PI_2);
     constexpr double kSide_m = 4.0;
-    // Means of what the errors in x and in y say.
+    // Means of the estimates from the errors in x and in y.
     const double alpha_rad = (right.x_m + left.x_m + right.y_m - left.y_m) / (-8.0 * kSide_m);
     const double beta_rad = (right.x_m - left.x_m + right.y_m + left.y_m) / (-8.0 * kSide_m);
     const double radius_m = 0.5 * kSide_m / std::sin(0.5 * beta_rad);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What closed formulas say about a car with four wheels, which carry it alone.
+// Closed formulas of a car with four wheels, which carry it alone.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -66,7 +66,7 @@ double x_m(const Physics& physics) {
   return physics.worldFromBase().translation().x();
 }
 
-/// Mean over the next second, with the wheels told to run at that speed.
+/// Mean over the next second, with the wheels commanded to run at that speed.
 double acceleration_mps2(Physics& physics, double wheels_mps) {
   const double before_mps = speed_mps(physics);
   run(physics, 1.0, wheels_mps);

@@ -208,13 +208,13 @@ class SimulatorNode(SimulatorTest):
 
     def test_commands_that_make_no_sense_are_told_and_do_no_harm(self):
         self.call["set_rate"](1.0)
-        self.command_until(50.0, 0.0, 0.0, lambda: self.warned("cmd_vel", "50", "clamped"), "not told of the clamping")
+        self.command_until(50.0, 0.0, 0.0, lambda: self.warned("cmd_vel", "50", "clamped"), "no warning of the clamping")
         self.assertLess(self.speed(), 1.6)
         self.call["reset"]()
         self.command_until(0.3, 0.0, 0.0, lambda: self.speed() > 0.25, "it does not drive")
-        self.command_until(float("nan"), 0.0, 0.0, lambda: self.warned("cmd_vel", "not finite"), "NaN is not told")
+        self.command_until(float("nan"), 0.0, 0.0, lambda: self.warned("cmd_vel", "not finite"), "no warning of NaN")
         self.wait_for(lambda: self.speed() < 0.01, "it does not stop at NaN")
-        self.command_until(0.0, 0.3, 0.0, lambda: self.warned("cmd_vel", "cannot do"), "not told of the motion to the left")
+        self.command_until(0.0, 0.3, 0.0, lambda: self.warned("cmd_vel", "cannot do"), "no warning of the motion to the left")
         truth = self.latest["ground_truth"]
         self.assertLess(abs(truth.twist.twist.linear.y), 0.01)
         self.assertFalse(any(math.isnan(v) for v in truth.pose.covariance))
@@ -225,7 +225,7 @@ class SimulatorNode(SimulatorTest):
                                  stdout=subprocess.DEVNULL)
         try:
             self.command_until(0.2, 0.0, 0.0, lambda: self.warned("rostopic", rospy.get_name(), "the last wins"),
-                               "not told of two commanders")
+                               "no warning of two commanders")
         finally:
             other.terminate()
             other.wait()
@@ -236,7 +236,7 @@ class SimulatorNode(SimulatorTest):
         type(self).answers = False
         self.call["reset"]()
         time.sleep(1.0)
-        # Held at the first or second scan that nobody answered, not seconds further.
+        # Held at the first or second scan without an answer, not seconds further.
         self.assertLess(self.latest["/clock"].clock.to_sec(), 1.5)
 
 

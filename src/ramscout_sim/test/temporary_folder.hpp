@@ -33,7 +33,7 @@ private:
   std::filesystem::path path_;
 };
 
-/// What `read(path)` says when it refuses; "accepted" if it does not.
+/// The message with which `read(path)` refuses; "accepted" if it does not.
 template <typename Read>
 std::string refusalOf(const Read& read, const std::string& path) {
   try {

@@ -131,7 +131,7 @@ TEST(WheelOdometry, CountsWholeTicksWithoutDrift) {
   }
 }
 
-TEST(WheelOdometry, TellsTheSpeedBetweenTwoReadings) {
+TEST(WheelOdometry, ReportsTheSpeedBetweenTwoReadings) {
   OdometryParameters parameters = withoutErrors();
   parameters.ticks_per_turn = 10'000'000;
   WheelOdometry odometry(shippedRobot(), parameters, 1);
@@ -194,7 +194,7 @@ TEST(WheelOdometry, TheCovarianceOfPureSlipIsHonest) {
 
 TEST(WheelOdometry, TheCovarianceOfARobotOffByItsTolerancesIsHonest) {
   // Both ratios off by one standard deviation, as the defaults are, in all four combinations: their
-  // mean square is what the tolerances say.
+  // mean square is that of the tolerances.
   OdometryParameters parameters;
   const double ed = parameters.wheel_diameter_ratio_tolerance;
   const double eb = parameters.track_ratio_tolerance;

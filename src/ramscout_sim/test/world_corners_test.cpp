@@ -25,7 +25,7 @@ TEST(WorldCorners, OfARoomAreItsFourInnerOnes) {
   EXPECT_NEAR(first.position_m.y(), 0.0, 2e-4);
   EXPECT_NEAR(first.opening_rad, M_PI_2, 1e-9);
   EXPECT_NEAR(first.orientation_rad, M_PI_4, 1e-9);
-  EXPECT_NEAR(first.left_wall_m, 8.0, 4e-4) << "who looks from the room into it has y = 0 left";
+  EXPECT_NEAR(first.left_wall_m, 8.0, 4e-4) << "who faces it from the room has y = 0 left";
   EXPECT_NEAR(first.right_wall_m, 5.0, 4e-4);
 }
 

@@ -8,7 +8,7 @@
 
 namespace ramscout_sim {
 
-/// Something that goes wrong on command; InjectFault.srv says what each means.
+/// Something that goes wrong on command; InjectFault.srv states what each means.
 enum class FaultKind {
   kScanDropout,
   kScanSector,

@@ -7,7 +7,7 @@
 
 namespace ramscout_sim {
 
-/// How stiff contacts are, how often they are computed again, and where ODE looks for them.
+/// How stiff contacts are, how often they are computed again, and where ODE searches for them.
 /// Softness is ODE's constraint force mixing (CFM) [m/(N s)]: a contact under the load N sinks in
 /// by N * step * softness / error_reduction.
 struct PhysicsParameters {

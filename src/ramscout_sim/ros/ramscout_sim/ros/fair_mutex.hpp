@@ -8,8 +8,8 @@
 namespace ramscout_sim_ros {
 
 /// A mutex that goes to whoever asked first. A thread that unlocks and locks it in a loop, as a
-/// simulation that runs as fast as it can does, keeps nobody waiting for longer than one round;
-/// with a std::mutex it can for seconds. Fits std::lock_guard, std::unique_lock and
+/// simulation that runs as fast as it can does, keeps no other thread waiting for longer than one
+/// round; with a std::mutex it can for seconds. Fits std::lock_guard, std::unique_lock and
 /// std::condition_variable_any.
 class FairMutex {
 public:
