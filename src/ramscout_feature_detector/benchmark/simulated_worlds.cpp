@@ -89,6 +89,35 @@ struct Score {
         features - true_features, 1.0 * found / visible, visible, nees / nees_count, nees_outliers,
         nees_count, 1e3 * time_s / scans);
   }
+
+  /// \param pose  of the laser in the world; features are in the laser's frame
+  void addFeatures(const ram_slam::FeatureList& list,
+                   const ram_slam::Pose2& pose,
+                   const RandomWorld& world) {
+    for (const auto& feature : list.features) {
+      ++features;
+      true_features += world.distanceToCorner_m(pose * feature.position_m) <= kTrueM ? 1 : 0;
+    }
+  }
+
+  /// \param corners_m  that can be seen, in the laser's frame
+  void addVisible(const ram_slam::FeatureList& list,
+                  const std::vector<Eigen::Vector2d>& corners_m) {
+    for (const Eigen::Vector2d& corner_m : corners_m) {
+      ++visible;
+      bool is_found = false;
+      for (const auto& feature : list.features) {
+        const Eigen::Vector2d error_m = feature.position_m - corner_m;
+        if (error_m.norm() > kTrueM) continue;
+        is_found = true;
+        const double e2 = error_m.dot(feature.covariance_m2.inverse() * error_m);
+        nees_outliers += e2 > 13.8 ? 1 : 0;  // chi square (2 dof) exceeded once in 1000
+        nees += e2;
+        ++nees_count;
+      }
+      found += is_found ? 1 : 0;
+    }
+  }
 };
 
 }  // namespace
@@ -100,7 +129,6 @@ int main(int argc, char** argv) {
   const double noise_m = argc > 4 ? std::atof(argv[4]) : 0.01;
   FeatureDetectorParameters parameters;
   if (argc > 5) parameters.laser_range_sigma = std::atof(argv[5]);
-  const bool verbose = std::getenv("VERBOSE") != nullptr;
   const bool edges = argc > 6 && argv[6] == std::string("edge");
   EdgeDetectorParameters edge_parameters;
   edge_parameters.laser_range_sigma = parameters.laser_range_sigma;
@@ -123,46 +151,8 @@ int main(int argc, char** argv) {
       score.time_s +=
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       ++score.scans;
-      const auto visible = visibleCorners(world, pose, scan);
-      for (const auto& feature : list.features) {
-        ++score.features;
-        const double off_m = random_world.distanceToCorner_m(pose * feature.position_m);
-        score.true_features += off_m <= kTrueM ? 1 : 0;
-        if (verbose && off_m > kTrueM) {
-          const Eigen::Vector2d p = pose * feature.position_m;
-          for (const auto& c : detector.analyse(scan).corners)
-            if ((c.lines.position_m - feature.position_m).norm() < 1e-6)
-              std::printf(
-                  "false %s world %d scan %d range %.2f at %.3f %.3f off %.2f sigma %.3f rho %.3f "
-                  "%.3f chi2 %.1f\n",
-                  name, seed + i / poses, i, feature.position_m.norm(), p.x(), p.y(), off_m,
-                  std::sqrt(feature.covariance_m2.trace()), c.lines.cornerness, c.peak.cornerness,
-                  c.lines.significance);
-        }
-      }
-      for (const Eigen::Vector2d& corner : visible) {
-        ++score.visible;
-        bool found = false;
-        for (const auto& feature : list.features) {
-          const Eigen::Vector2d error = feature.position_m - corner;
-          if (error.norm() > kTrueM) continue;
-          found = true;
-          const double e2 = error.dot(feature.covariance_m2.inverse() * error);
-          score.nees_outliers += e2 > 13.8 ? 1 : 0;
-          if (verbose && e2 > 13.8)
-            std::printf("off %s world %d scan %d range %.2f error %.3f expected %.3f chi2 %.1f\n",
-                        name, seed + i / poses, i, corner.norm(), error.norm(),
-                        std::sqrt(feature.covariance_m2.trace()), e2);
-          score.nees += error.dot(feature.covariance_m2.inverse() * error);
-          ++score.nees_count;
-        }
-        score.found += found ? 1 : 0;
-        if (verbose && !found) {
-          const Eigen::Vector2d p = pose * corner;
-          std::printf("missed %s world %d scan %d range %.2f at %.3f %.3f\n", name,
-                      seed + i / poses, i, corner.norm(), p.x(), p.y());
-        }
-      }
+      score.addFeatures(list, pose, random_world);
+      score.addVisible(list, visibleCorners(world, pose, scan));
     }
     score.print(name);
   }
