@@ -72,7 +72,7 @@ void LandmarkSmootherNode::settle() {
       continue;
     }
     const std::int64_t interval_ns = steps_.empty() ? 0 : stamp_ns - steps_.back().list.stamp_ns;
-    step.list = seenAtOnce(std::move(waiting_.front()), step.motion.pose, interval_ns);
+    step.list = deskew(std::move(waiting_.front()), step.motion.pose, interval_ns);
     waiting_.pop_front();
     steps_.push_back(std::move(step));
   }

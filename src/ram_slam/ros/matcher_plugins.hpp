@@ -3,7 +3,6 @@
 
 #include <pluginlib/class_loader.hpp>
 
-#include "ram_slam/fast_slam/landmark_registry.hpp"
 #include "ram_slam/landmarks/feature_matcher.hpp"
 
 namespace ram_slam_ros {

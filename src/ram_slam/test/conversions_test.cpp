@@ -81,11 +81,11 @@ TEST(Features, SeenLaterAreMovedToTheStampOfTheirList) {
   list.features = {exampleFeature()};
   const Eigen::Vector2d seen_at_once_m = later * exampleFeature().position_m;
   list.features[0].delay_ns = 20'000'000;
-  const ram_slam::Feature moved = ram_slam::seenAtOnce(list, motion, 100'000'000).features.front();
+  const ram_slam::Feature moved = ram_slam::deskew(list, motion, 100'000'000).features.front();
   EXPECT_LT((moved.position_m - seen_at_once_m).norm(), 1e-12);
   EXPECT_NEAR(moved.orientation_rad, exampleFeature().orientation_rad + 0.04, 1e-12);
   EXPECT_EQ(moved.delay_ns, 0);
-  const ram_slam::Feature kept = ram_slam::seenAtOnce(list, motion, 0).features.front();
+  const ram_slam::Feature kept = ram_slam::deskew(list, motion, 0).features.front();
   EXPECT_EQ(kept.position_m, exampleFeature().position_m);
 }
 

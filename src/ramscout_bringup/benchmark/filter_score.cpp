@@ -120,7 +120,7 @@ private:
     if (slam().lost()) return;
     for (std::size_t i = 0; i < step.features.features.size(); ++i) {
       const ram_slam::Association& association = slam().filter().associations()[i];
-      if (association.verdict != ram_slam::Verdict::kMatched) continue;
+      if (association.outcome != ram_slam::AssociationOutcome::kMatched) continue;
       sightings_[association.id].push_back(
           {stamp_ns, wanted * step.features.features[i].position_m});
     }

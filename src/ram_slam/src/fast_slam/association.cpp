@@ -11,13 +11,13 @@ namespace ram_slam {
 namespace {
 
 constexpr int kPasses = 2;
-constexpr std::size_t kMostHypotheses = 64;  // about as many are compared in one draw
+constexpr std::size_t kMostHypotheses = 64;  // about as many are compared at once
 
 bool isMatched(const std::vector<Association>& associations, LandmarkId id) {
-  return std::any_of(associations.begin(), associations.end(),
-                     [id](const Association& association) {
-                       return association.verdict == Verdict::kMatched && association.id == id;
-                     });
+  return std::any_of(
+      associations.begin(), associations.end(), [id](const Association& association) {
+        return association.outcome == AssociationOutcome::kMatched && association.id == id;
+      });
 }
 
 /// One particle's association while it is being worked out.
@@ -37,37 +37,37 @@ public:
 
   /// Pairs what can be paired; false if nothing was left to pair.
   bool pass() {
-    findCandidates();
-    for (const Choice& choice : bestAssignment(candidates_)) {
-      if (choice.margin >= parameters_.ambiguity_margin) use(candidates_[choice.candidate]);
+    findPairs();
+    for (const Choice& choice : bestAssignment(pairs_)) {
+      if (choice.margin >= parameters_.ambiguity_margin) use(pairs_[choice.candidate]);
     }
-    return !candidates_.empty();
+    return !pairs_.empty();
   }
 
-  /// Decides by chance between the ways to pair the features left over, in proportion to their
+  /// Samples one of the ways to pair the features left over, in proportion to their
   /// likelihood: of each feature for itself, or of several together.
-  void guess(Random& random) {
+  void sample(Random& random) {
     std::vector<std::size_t> open;
     std::size_t count = 1;
     for (std::size_t i = 0; i < observations_.size(); ++i) {
-      if (evidence_.associations[i].verdict == Verdict::kMatched) continue;
-      const std::size_t alternatives = 1 + candidatesOf(i).size();
+      if (evidence_.associations[i].outcome == AssociationOutcome::kMatched) continue;
+      const std::size_t alternatives = 1 + pairsOf(i).size();
       const bool full = !parameters_.draw_jointly || count * alternatives > kMostHypotheses;
       if (full && !open.empty()) {
-        draw(open, random);
+        sampleOne(open, random);
         open.clear();
         count = 1;
       }
       open.push_back(i);
       count *= alternatives;
     }
-    if (!open.empty()) draw(open, random);
+    if (!open.empty()) sampleOne(open, random);
   }
 
   Evidence finish() {
     for (std::size_t i = 0; i < observations_.size(); ++i) {
-      if (evidence_.associations[i].verdict != Verdict::kMatched && standsAlone(i)) {
-        evidence_.associations[i].verdict = Verdict::kNew;
+      if (evidence_.associations[i].outcome != AssociationOutcome::kMatched && standsAlone(i)) {
+        evidence_.associations[i].outcome = AssociationOutcome::kNew;
       }
     }
     return std::move(evidence_);
@@ -81,8 +81,8 @@ private:
     Evidence evidence;
   };
 
-  /// Takes one of the ways to pair these features.
-  void draw(const std::vector<std::size_t>& open, Random& random) {
+  /// Samples one of the ways to pair these features.
+  void sampleOne(const std::vector<std::size_t>& open, Random& random) {
     const double before = evidence_.log_likelihood_ratio;
     std::vector<Hypothesis> hypotheses;
     branch(open, 0, 0.0, true, hypotheses);
@@ -96,13 +96,13 @@ private:
       if (hypothesis.confirmed) confirmed_sum += likelihood;
     }
     double place = random.uniform() * sum;
-    std::size_t drawn = 0;
-    for (; drawn + 1 < hypotheses.size(); ++drawn) {
-      place -= std::exp(hypotheses[drawn].score - best);
+    std::size_t sampled = 0;
+    for (; sampled + 1 < hypotheses.size(); ++sampled) {
+      place -= std::exp(hypotheses[sampled].score - best);
       if (place < 0.0) break;
     }
-    evidence_ = std::move(hypotheses[drawn].evidence);
-    // What was drawn has happened with its probability already: the weight is what all have.
+    evidence_ = std::move(hypotheses[sampled].evidence);
+    // What was sampled has happened with its probability already: the weight is what all have.
     // Alternatives with landmarks that are not confirmed weigh nothing.
     if (parameters_.draw_jointly)
       evidence_.log_likelihood_ratio = before + best + std::log(confirmed_sum);
@@ -119,10 +119,10 @@ private:
       hypotheses.push_back({score, confirmed, evidence_});
       return;
     }
-    for (const Candidate& candidate : candidatesOf(open[depth])) {
+    for (const Candidate& pair : pairsOf(open[depth])) {
       const Evidence before = evidence_;
-      use(candidate);
-      branch(open, depth + 1, score + candidate.score, confirmed && prospectOf(candidate).confirmed,
+      use(pair);
+      branch(open, depth + 1, score + pair.score, confirmed && candidateOf(pair).confirmed,
              hypotheses);
       evidence_ = before;
     }
@@ -131,72 +131,74 @@ private:
 
   /// Pairs within the gate, of features and landmarks that are still free. The column is the
   /// landmark's identifier.
-  void findCandidates() {
-    candidates_.clear();
+  void findPairs() {
+    pairs_.clear();
     for (std::size_t i = 0; i < observations_.size(); ++i) {
-      if (evidence_.associations[i].verdict == Verdict::kMatched) continue;
-      findCandidates(i, candidates_);
+      if (evidence_.associations[i].outcome == AssociationOutcome::kMatched) continue;
+      findPairs(i, pairs_);
     }
   }
 
-  std::vector<Candidate> candidatesOf(std::size_t i) const {
-    std::vector<Candidate> candidates;
-    findCandidates(i, candidates);
-    return candidates;
+  std::vector<Candidate> pairsOf(std::size_t i) const {
+    std::vector<Candidate> pairs;
+    findPairs(i, pairs);
+    return pairs;
   }
 
-  void findCandidates(std::size_t i, std::vector<Candidate>& candidates) const {
-    for (const Prospect& prospect : observations_[i].prospects) {
-      const Landmark* landmark = landmarks_.find(prospect.id);
-      if (landmark == nullptr || isMatched(evidence_.associations, prospect.id)) continue;
+  void findPairs(std::size_t i, std::vector<Candidate>& pairs) const {
+    for (const AssociationCandidate& candidate : observations_[i].candidates) {
+      const Landmark* landmark = landmarks_.find(candidate.id);
+      if (landmark == nullptr || isMatched(evidence_.associations, candidate.id)) continue;
       const Innovation found =
           innovation(evidence_.map_from_base, *landmark, observations_[i].measured);
       if (!(found.squaredMahalanobis() < parameters_.association_gate)) continue;
-      candidates.push_back({i, prospect.id, score(found, prospect)});
+      pairs.push_back({i, candidate.id, score(found, candidate)});
     }
   }
 
-  double score(const Innovation& found, const Prospect& prospect) const {
-    return found.logLikelihood() + prospect.log_likelihood_ratio - log_unknown_density_;
+  double score(const Innovation& found, const AssociationCandidate& candidate) const {
+    return found.logLikelihood() + candidate.log_likelihood_ratio - log_unknown_density_;
   }
 
-  const Prospect& prospectOf(const Candidate& candidate) const {
-    const std::vector<Prospect>& prospects = observations_[candidate.row].prospects;
-    return *std::find_if(prospects.begin(), prospects.end(), [&candidate](const Prospect& other) {
-      return other.id == static_cast<LandmarkId>(candidate.column);
-    });
+  const AssociationCandidate& candidateOf(const Candidate& pair) const {
+    const std::vector<AssociationCandidate>& candidates = observations_[pair.row].candidates;
+    return *std::find_if(candidates.begin(), candidates.end(),
+                         [&pair](const AssociationCandidate& other) {
+                           return other.id == static_cast<LandmarkId>(pair.column);
+                         });
   }
 
   /// Matches the pair unless the corrections before it have moved it out of the gate.
-  void use(const Candidate& candidate) {
-    const LandmarkId id = static_cast<LandmarkId>(candidate.column);
-    const Prospect& prospect = prospectOf(candidate);
-    const Innovation found = innovation(evidence_.map_from_base, *landmarks_.find(id),
-                                        observations_[candidate.row].measured);
+  void use(const Candidate& pair) {
+    const LandmarkId id = static_cast<LandmarkId>(pair.column);
+    const AssociationCandidate& candidate = candidateOf(pair);
+    const Innovation found =
+        innovation(evidence_.map_from_base, *landmarks_.find(id), observations_[pair.row].measured);
     const double squared_mahalanobis = found.squaredMahalanobis();
     if (!(squared_mahalanobis < parameters_.association_gate)) return;
-    evidence_.associations[candidate.row] = {Verdict::kMatched, id};
-    if (!prospect.confirmed) return;
-    evidence_.log_likelihood_ratio += score(found, prospect);
+    evidence_.associations[pair.row] = {AssociationOutcome::kMatched, id};
+    if (!candidate.confirmed) return;
+    evidence_.log_likelihood_ratio += score(found, candidate);
     evidence_.squared_mahalanobis += squared_mahalanobis;
     ++evidence_.correction_count;
     evidence_.map_from_base = corrected(evidence_.map_from_base, found);
   }
 
   /// Whether a feature is far enough from every landmark to be another thing. Near a landmark that
-  /// is matched by another feature of the same reading, "far enough" means that the two can be told
-  /// apart.
+  /// is matched by another feature of the same reading, "far enough" means that the two can be
+  /// distinguished.
   bool standsAlone(std::size_t i) const {
     const PointMeasurement& measured = observations_[i].measured;
     const Eigen::Vector2d place_m = evidence_.map_from_base.pose * measured.position_m;
-    for (const Prospect& prospect : observations_[i].prospects) {
-      const Landmark* landmark = landmarks_.find(prospect.id);
+    for (const AssociationCandidate& candidate : observations_[i].candidates) {
+      const Landmark* landmark = landmarks_.find(candidate.id);
       if (landmark == nullptr) continue;
-      const auto match = std::find_if(evidence_.associations.begin(), evidence_.associations.end(),
-                                      [&prospect](const Association& association) {
-                                        return association.verdict == Verdict::kMatched &&
-                                               association.id == prospect.id;
-                                      });
+      const auto match =
+          std::find_if(evidence_.associations.begin(), evidence_.associations.end(),
+                       [&candidate](const Association& association) {
+                         return association.outcome == AssociationOutcome::kMatched &&
+                                association.id == candidate.id;
+                       });
       if (match == evidence_.associations.end()) {
         if ((landmark->mean_m - place_m).norm() < parameters_.minimum_feature_separation)
           return false;
@@ -213,7 +215,7 @@ private:
   /// Whether an earlier new feature of the same reading may be the same thing.
   bool isDuplicate(std::size_t i) const {
     for (std::size_t j = 0; j < i; ++j) {
-      if (evidence_.associations[j].verdict != Verdict::kNew) continue;
+      if (evidence_.associations[j].outcome != AssociationOutcome::kNew) continue;
       if (observations_[j].type == observations_[i].type && maybeSame(i, j)) return true;
     }
     return false;
@@ -231,7 +233,7 @@ private:
   const LandmarkTree& landmarks_;
   const FastSlamParameters& parameters_;
   double log_unknown_density_;
-  std::vector<Candidate> candidates_;
+  std::vector<Candidate> pairs_;
   Evidence evidence_;
 };
 
@@ -245,7 +247,7 @@ Evidence associate(const std::vector<Observation>& observations,
   Associator associator(observations, landmarks, map_from_base, parameters);
   bool left = true;
   for (int i = 0; i < kPasses && left; ++i) left = associator.pass();
-  if (left) associator.guess(random);
+  if (left) associator.sample(random);
   return associator.finish();
 }
 
@@ -257,18 +259,18 @@ Evidence associateByDistance(const std::vector<Observation>& observations,
   evidence.map_from_base.pose = map_from_base;
   for (const Observation& observation : observations) {
     const Eigen::Vector2d place_m = map_from_base * observation.measured.position_m;
-    const Prospect* nearest = nullptr;
+    const AssociationCandidate* nearest = nullptr;
     double distance_m = std::numeric_limits<double>::infinity();
-    for (const Prospect& prospect : observation.prospects) {
-      const Landmark* landmark = landmarks.find(prospect.id);
-      if (landmark == nullptr || isMatched(evidence.associations, prospect.id)) continue;
+    for (const AssociationCandidate& candidate : observation.candidates) {
+      const Landmark* landmark = landmarks.find(candidate.id);
+      if (landmark == nullptr || isMatched(evidence.associations, candidate.id)) continue;
       if ((landmark->mean_m - place_m).norm() >= distance_m) continue;
       distance_m = (landmark->mean_m - place_m).norm();
-      nearest = &prospect;
+      nearest = &candidate;
     }
     Association association;
     if (distance_m < parameters.feature_match_distance) {
-      association = {Verdict::kMatched, nearest->id};
+      association = {AssociationOutcome::kMatched, nearest->id};
       const Innovation found =
           innovation(map_from_base, *landmarks.find(nearest->id), observation.measured);
       evidence.log_likelihood_ratio +=
@@ -276,7 +278,7 @@ Evidence associateByDistance(const std::vector<Observation>& observations,
       evidence.squared_mahalanobis += found.squaredMahalanobis();
       ++evidence.correction_count;
     } else if (distance_m >= parameters.minimum_feature_separation) {
-      association.verdict = Verdict::kNew;
+      association.outcome = AssociationOutcome::kNew;
     }
     evidence.associations.push_back(association);
   }

@@ -8,6 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "ram_slam/fast_slam/map_summary.hpp"
 #include "ram_slam/fast_slam/resampling.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 
@@ -123,8 +124,9 @@ void FastSlam::setMap(const LandmarkMap& map, const std::vector<StampedPose2>& p
     record.id = estimate.id;
     record.type = estimate.type;
     record.classifier = std::make_shared<const std::string>(estimate.classifier);
-    const DescriptorPointer looks = describe(record.type, estimate.classifier);
-    if (looks != nullptr) record.views.push_back(looks);
+    const DescriptorPointer appearance =
+        parseDescriptor(matchers_, record.type, estimate.classifier);
+    if (appearance != nullptr) record.descriptors.push_back(appearance);
     record.existence_log_odds = std::clamp(estimate.existence_log_odds, parameters_.delete_log_odds,
                                            parameters_.maximum_log_odds);
     record.was_confirmed = record.existence_log_odds >= parameters_.confirm_log_odds;
@@ -199,13 +201,8 @@ std::vector<DescriptorPointer> FastSlam::describe(const FeatureList& list) const
   std::vector<DescriptorPointer> descriptors;
   descriptors.reserve(list.features.size());
   for (const Feature& feature : list.features)
-    descriptors.push_back(describe(feature.type, feature.classifier));
+    descriptors.push_back(parseDescriptor(matchers_, feature.type, feature.classifier));
   return descriptors;
-}
-
-DescriptorPointer FastSlam::describe(const std::string& type, const std::string& classifier) const {
-  const FeatureMatcher* const by_looks = matcher(type);
-  return by_looks != nullptr && !classifier.empty() ? by_looks->parse(classifier) : nullptr;
 }
 
 FastSlam::Step FastSlam::prepare(const MotionStep& step) const {
@@ -273,12 +270,12 @@ std::vector<Observation> FastSlam::observe(
     places_m.max().array() += reach_m;
     for (const LandmarkRecord& record : registry_.records()) {
       if (!places_m.intersects(record.bounds_m) || record.type != feature.type) continue;
-      const double by_looks =
-          logLikelihoodRatio(matcher(feature.type), descriptors[i], record.views);
+      const double by_appearance = logLikelihoodRatio(findMatcher(matchers_, feature.type),
+                                                      descriptors[i], record.descriptors);
       const PoseWithCovariance2& pose = particles_[best_].proposal;
-      observations[i].prospects.push_back(
+      observations[i].candidates.push_back(
           {record.id, record.existence_log_odds >= parameters_.confirm_log_odds,
-           by_looks + orientationEvidence(record, feature, pose)});
+           by_appearance + orientationEvidence(record, feature, pose)});
     }
   }
   return observations;
@@ -311,7 +308,7 @@ std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observatio
 void FastSlam::coverErrors(double moved_m) {
   const MapDrift open = drift_;
   for (const Association& association : associations_) {
-    if (association.verdict != Verdict::kMatched) continue;
+    if (association.outcome != AssociationOutcome::kMatched) continue;
     const LandmarkRecord& record = *registry_.find(association.id);
     if (record.existence_log_odds < parameters_.confirm_log_odds) continue;
     drift_.fallBack(record.drift, estimate_);
@@ -371,9 +368,9 @@ void FastSlam::rate(const Evidence& evidence) {
   associations_ = evidence.associations;
   quality_.matched_count = quality_.new_count = quality_.ignored_count = 0;
   for (const Association& association : evidence.associations) {
-    if (association.verdict == Verdict::kMatched) ++quality_.matched_count;
-    if (association.verdict == Verdict::kNew) ++quality_.new_count;
-    if (association.verdict == Verdict::kIgnored) ++quality_.ignored_count;
+    if (association.outcome == AssociationOutcome::kMatched) ++quality_.matched_count;
+    if (association.outcome == AssociationOutcome::kNew) ++quality_.new_count;
+    if (association.outcome == AssociationOutcome::kIgnored) ++quality_.ignored_count;
   }
   if (evidence.associations.empty()) return;
   const double matched = quality_.matched_count / static_cast<double>(evidence.associations.size());
@@ -405,11 +402,6 @@ LandmarkMap FastSlam::landmarks() const {
   LandmarkMap map = summarise(registry_, particles_[best_], particles_, weights());
   map.stamp_ns = stamp_ns_;
   return map;
-}
-
-const FeatureMatcher* FastSlam::matcher(const std::string& type) const {
-  const auto place = matchers_.find(type);
-  return place == matchers_.end() ? nullptr : place->second.get();
 }
 
 void FastSlam::unshare() {

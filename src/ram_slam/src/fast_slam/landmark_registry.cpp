@@ -39,7 +39,7 @@ LandmarkRecord& LandmarkRegistry::create(const Feature& feature, DescriptorPoint
   record.id = next_id_++;
   record.type = feature.type;
   record.classifier = std::make_shared<const std::string>(feature.classifier);
-  if (descriptor != nullptr) record.views.push_back(std::move(descriptor));
+  if (descriptor != nullptr) record.descriptors.push_back(std::move(descriptor));
   records_.push_back(std::move(record));
   return records_.back();
 }
@@ -68,27 +68,16 @@ void LandmarkRegistry::restore(LandmarkRecord record) {
   records_.push_back(std::move(record));
 }
 
-double logLikelihoodRatio(const FeatureMatcher* matcher,
-                          const DescriptorPointer& descriptor,
-                          const std::vector<DescriptorPointer>& views) {
-  if (matcher == nullptr || descriptor == nullptr || views.empty()) return 0.0;
-  double best = matcher->logLikelihoodRatio(*descriptor, *views[0]);
-  for (std::size_t i = 1; i < views.size(); ++i) {
-    best = std::max(best, matcher->logLikelihoodRatio(*descriptor, *views[i]));
-  }
-  return best;
-}
-
-void addView(LandmarkRecord& record,
-             const Eigen::Vector2d& robot_from_landmark_m,
-             const FeatureMatcher* matcher,
-             const DescriptorPointer& descriptor) {
+void addSighting(LandmarkRecord& record,
+                 const Eigen::Vector2d& robot_from_landmark_m,
+                 const FeatureMatcher* matcher,
+                 const DescriptorPointer& descriptor) {
   record.seen_from |= sectorBit(robot_from_landmark_m);
   record.seen_within_m = std::max(record.seen_within_m, robot_from_landmark_m.norm());
-  if (descriptor == nullptr || record.views.size() >= kMostViews) return;
-  if (record.views.empty() ||
-      logLikelihoodRatio(matcher, descriptor, record.views) < kNewViewBelow) {
-    record.views.push_back(descriptor);
+  if (descriptor == nullptr || record.descriptors.size() >= kMostViews) return;
+  if (record.descriptors.empty() ||
+      logLikelihoodRatio(matcher, descriptor, record.descriptors) < kNewViewBelow) {
+    record.descriptors.push_back(descriptor);
   }
 }
 

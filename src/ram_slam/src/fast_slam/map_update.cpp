@@ -18,12 +18,12 @@ void FastSlam::updateMaps(const FeatureList& list,
     for (std::size_t i = 0; i < observations.size(); ++i) {
       const Association& association = evidence[k].associations[i];
       const PointMeasurement& measured = observations[i].measured;
-      if (association.verdict == Verdict::kMatched) {
+      if (association.outcome == AssociationOutcome::kMatched) {
         const Landmark& before = *particle.landmarks.find(association.id);
         const Innovation found = innovation(particle.map_from_base, before, measured);
         particle.landmarks.set(association.id, updated(before, found, measured));
         matched_weights[association.id] += weights[k];
-      } else if (association.verdict == Verdict::kNew) {
+      } else if (association.outcome == AssociationOutcome::kNew) {
         std::optional<LandmarkId> id = idUsedElsewhere(observations[i], particle);
         if (!id && !fresh_ids[i]) {
           LandmarkRecord& record = registry_.create(list.features[i], descriptors[i]);
@@ -43,7 +43,7 @@ void FastSlam::updateMaps(const FeatureList& list,
     record.matched_weight = weight;
     refreshBounds(record);
   }
-  rememberViews(list, descriptors, evidence[best_].associations);
+  rememberSightings(list, descriptors, evidence[best_].associations);
 }
 
 std::optional<LandmarkId> FastSlam::idUsedElsewhere(const Observation& observation,
@@ -51,27 +51,27 @@ std::optional<LandmarkId> FastSlam::idUsedElsewhere(const Observation& observati
   const Eigen::Vector2d place_m = particle.map_from_base * observation.measured.position_m;
   std::optional<LandmarkId> nearest;
   double least_m = parameters_.minimum_feature_separation;
-  for (const Prospect& prospect : observation.prospects) {
-    if (particle.landmarks.find(prospect.id) != nullptr) continue;
-    const LandmarkRecord& record = *registry_.find(prospect.id);
+  for (const AssociationCandidate& candidate : observation.candidates) {
+    if (particle.landmarks.find(candidate.id) != nullptr) continue;
+    const LandmarkRecord& record = *registry_.find(candidate.id);
     const double distance_m = (record.bounds_m.center() - place_m).norm();
     if (distance_m >= least_m) continue;
     least_m = distance_m;
-    nearest = prospect.id;
+    nearest = candidate.id;
   }
   return nearest;
 }
 
-void FastSlam::rememberViews(const FeatureList& list,
-                             const std::vector<DescriptorPointer>& descriptors,
-                             const std::vector<Association>& associations) {
+void FastSlam::rememberSightings(const FeatureList& list,
+                                 const std::vector<DescriptorPointer>& descriptors,
+                                 const std::vector<Association>& associations) {
   const Particle& best = particles_[best_];
   for (std::size_t i = 0; i < associations.size(); ++i) {
-    if (associations[i].verdict != Verdict::kMatched) continue;
+    if (associations[i].outcome != AssociationOutcome::kMatched) continue;
     LandmarkRecord& record = *registry_.find(associations[i].id);
     const Eigen::Vector2d robot_from_landmark_m =
         best.map_from_base.translation() - best.landmarks.find(record.id)->mean_m;
-    addView(record, robot_from_landmark_m, matcher(record.type), descriptors[i]);
+    addSighting(record, robot_from_landmark_m, findMatcher(matchers_, record.type), descriptors[i]);
     addOrientation(record, best.map_from_base.yaw_rad + list.features[i].orientation_rad,
                    list.features[i].orientation_variance_rad2);
   }

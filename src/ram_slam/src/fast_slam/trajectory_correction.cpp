@@ -110,9 +110,9 @@ void FastSlam::removeDuplicates() {
       const Eigen::Matrix2d covariance_m2 =
           younger->covariance_m2 + older->covariance_m2 + floor_m2;
       if (apart_m.dot(covariance_m2.inverse() * apart_m) > parameters_.creation_gate) continue;
-      if (!records[i].views.empty() &&
-          logLikelihoodRatio(matcher(records[i].type), records[i].views.front(), records[j].views) <
-              0.0)
+      if (!records[i].descriptors.empty() &&
+          logLikelihoodRatio(findMatcher(matchers_, records[i].type),
+                             records[i].descriptors.front(), records[j].descriptors) < 0.0)
         continue;
       duplicates.push_back(records[i].id);
       break;

@@ -12,7 +12,7 @@ double orientationLogRatio(double difference_rad, double variance_rad2, double w
   return std::log((1.0 - wrong_share) * 2.0 * M_PI * density + wrong_share);
 }
 
-FeatureList seenAtOnce(FeatureList list, const Pose2& motion, std::int64_t interval_ns) {
+FeatureList deskew(FeatureList list, const Pose2& motion, std::int64_t interval_ns) {
   for (Feature& feature : list.features) {
     const Pose2 base_from_then = continued(motion, interval_ns, feature.delay_ns);
     const Eigen::Matrix2d rotation = base_from_then.rotation();

@@ -120,7 +120,7 @@ void Tracker::update(const FeatureList& features,
                      const MotionStep& step,
                      std::shared_ptr<const FieldOfView> view) {
   const PoseWithCovariance2& moved = step.motion;
-  const FeatureList list = seenAtOnce(features, moved.pose, features.stamp_ns - stamp_ns_);
+  const FeatureList list = deskew(features, moved.pose, features.stamp_ns - stamp_ns_);
   if (!parameters_.enabled) {
     filter_.update(list, step, view.get());
     stamp_ns_ = list.stamp_ns;
@@ -351,7 +351,7 @@ Constellation Tracker::mapConstellation() const {
   for (const LandmarkEstimate& estimate : filter_.landmarks().landmarks) {
     if (estimate.existence_log_odds < filter_parameters_.confirm_log_odds) continue;
     map.push_back({estimate.type, estimate.mean_m, estimate.covariance_m2,
-                   filter_.registry().find(estimate.id)->views, estimate.orientation_rad,
+                   filter_.registry().find(estimate.id)->descriptors, estimate.orientation_rad,
                    estimate.orientation_variance_rad2});
   }
   return map;

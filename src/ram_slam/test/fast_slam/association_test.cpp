@@ -26,7 +26,7 @@ std::vector<Observation> observationsOf(const std::vector<Eigen::Vector2d>& plac
   for (const Eigen::Vector2d& place_m : places_m) {
     observations.push_back({"pole", {place_m, kVariance_m2 * Eigen::Matrix2d::Identity()}, {}});
     for (LandmarkId id = 0; id < landmarks; ++id)
-      observations.back().prospects.push_back({id, true, 0.0});
+      observations.back().candidates.push_back({id, true, 0.0});
   }
   return observations;
 }
@@ -37,7 +37,7 @@ std::map<LandmarkId, int> matchesOf(const Eigen::Vector2d& feature_m, int draws)
   for (int i = 0; i < draws; ++i) {
     const Evidence evidence = associate(observationsOf({feature_m}, 2), treeOf(landmarks_m), {},
                                         FastSlamParameters{}, Random(1, i));
-    if (evidence.associations[0].verdict == Verdict::kMatched)
+    if (evidence.associations[0].outcome == AssociationOutcome::kMatched)
       ++counts[evidence.associations[0].id];
   }
   return counts;
@@ -82,9 +82,9 @@ TEST(Associate, PairsThatFitTogetherAreDrawnTogether) {
   for (int i = 0; i < 100; ++i) {
     const Evidence evidence =
         associate(observationsOf(features_m, 2), treeOf(landmarks_m), {}, parameters, Random(1, i));
-    both += evidence.associations[0].verdict == Verdict::kMatched &&
+    both += evidence.associations[0].outcome == AssociationOutcome::kMatched &&
             evidence.associations[0].id == 0 && evidence.associations[1].id == 1 &&
-            evidence.associations[1].verdict == Verdict::kMatched;
+            evidence.associations[1].outcome == AssociationOutcome::kMatched;
   }
   EXPECT_GE(both, 95);
 }
@@ -97,8 +97,8 @@ TEST(Associate, EachLandmarkIsMatchedOnceAndTheOtherFeatureIsNew) {
   const std::vector<Eigen::Vector2d> features_m = {{2.0, 0.0}, {2.0, 0.15}};
   const Evidence evidence = associate(observationsOf(features_m, 1), treeOf({{2.0, 0.01}}), {},
                                       FastSlamParameters{}, Random(1));
-  EXPECT_EQ(evidence.associations[0].verdict, Verdict::kMatched);
-  EXPECT_EQ(evidence.associations[1].verdict, Verdict::kNew);
+  EXPECT_EQ(evidence.associations[0].outcome, AssociationOutcome::kMatched);
+  EXPECT_EQ(evidence.associations[1].outcome, AssociationOutcome::kNew);
 }
 
 TEST(Associate, OneThingFoundTwiceIsNotTwoLandmarks) {
@@ -107,13 +107,13 @@ TEST(Associate, OneThingFoundTwiceIsNotTwoLandmarks) {
   FastSlamParameters parameters;
   EXPECT_EQ(associate(observations, treeOf({{2.0, 0.0}}), {}, parameters, Random(1))
                 .associations[1]
-                .verdict,
-            Verdict::kIgnored);
+                .outcome,
+            AssociationOutcome::kIgnored);
   parameters.duplicate_gate = 0.0;  // a detector that never does that
   EXPECT_EQ(associate(observations, treeOf({{2.0, 0.0}}), {}, parameters, Random(1))
                 .associations[1]
-                .verdict,
-            Verdict::kNew);
+                .outcome,
+            AssociationOutcome::kNew);
 }
 
 TEST(AssociateByDistance, BetweenTheTwoDistancesAFeatureIsNeitherMatchedNorNew) {  // fault F127
@@ -122,12 +122,12 @@ TEST(AssociateByDistance, BetweenTheTwoDistancesAFeatureIsNeitherMatchedNorNew) 
     return associateByDistance(observationsOf({{2.0 + distance_m, 0.0}}, 1), treeOf({{2.0, 0.0}}),
                                {}, parameters)
         .associations[0]
-        .verdict;
+        .outcome;
   };
-  EXPECT_EQ(verdictAt(0.99 * parameters.feature_match_distance), Verdict::kMatched);
-  EXPECT_EQ(verdictAt(1.01 * parameters.feature_match_distance), Verdict::kIgnored);
-  EXPECT_EQ(verdictAt(0.99 * parameters.minimum_feature_separation), Verdict::kIgnored);
-  EXPECT_EQ(verdictAt(1.01 * parameters.minimum_feature_separation), Verdict::kNew);
+  EXPECT_EQ(verdictAt(0.99 * parameters.feature_match_distance), AssociationOutcome::kMatched);
+  EXPECT_EQ(verdictAt(1.01 * parameters.feature_match_distance), AssociationOutcome::kIgnored);
+  EXPECT_EQ(verdictAt(0.99 * parameters.minimum_feature_separation), AssociationOutcome::kIgnored);
+  EXPECT_EQ(verdictAt(1.01 * parameters.minimum_feature_separation), AssociationOutcome::kNew);
 }
 
 }  // namespace

@@ -334,7 +334,7 @@ TEST_P(CloseTogether, LandmarksAreNeitherSwappedNorDoubled) {
     filter.update(drive.lists[i], drive.odometry);
     for (std::size_t k = 0; k < drive.lists[i].features.size(); ++k) {
       const Association& association = filter.associations()[k];
-      if (association.verdict != Verdict::kMatched) continue;
+      if (association.outcome != AssociationOutcome::kMatched) continue;
       ++match_count;
       ++taken_for[association.id]
                  [nearestTo(drive.truth[i] * drive.lists[i].features[k].position_m, landmarks_m)];
@@ -399,7 +399,7 @@ TEST(FastSlam, FindsItsWayAmongAHundredThousandLandmarks) {  // fault F131
   for (int i = 1; i <= 5; ++i) {
     odometry.add(i, {}, {}, random);
     filter.update(oneFeature(i, {0.5, 0.5}, 1e-4), odometry);
-    ASSERT_EQ(filter.associations()[0].verdict, Verdict::kMatched);
+    ASSERT_EQ(filter.associations()[0].outcome, AssociationOutcome::kMatched);
     EXPECT_EQ(filter.associations()[0].id, static_cast<LandmarkId>(kSide * kSide / 2 + kSide / 2));
   }
   EXPECT_EQ(filter.landmarks().landmarks.size(), static_cast<std::size_t>(kSide * kSide));

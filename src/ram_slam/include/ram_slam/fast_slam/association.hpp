@@ -13,7 +13,7 @@ namespace ram_slam {
 
 /// A landmark that a feature may show, the same for all particles: near enough for some particle,
 /// of the same type.
-struct Prospect {
+struct AssociationCandidate {
   LandmarkId id = 0;
   bool confirmed = false;             ///< may correct the pose
   double log_likelihood_ratio = 0.0;  ///< of the classifiers
@@ -23,21 +23,21 @@ struct Prospect {
 struct Observation {
   std::string type;
   PointMeasurement measured;
-  std::vector<Prospect> prospects;
+  std::vector<AssociationCandidate> candidates;
 };
 
-/// What a particle takes a feature for.
-enum class Verdict {
+/// What a particle associates a feature with.
+enum class AssociationOutcome {
   kMatched,  ///< a landmark seen again
   kNew,      ///< something seen for the first time
   kIgnored,  ///< neither is certain enough: no use is made of it
 };
 struct Association {
-  Verdict verdict = Verdict::kIgnored;
+  AssociationOutcome outcome = AssociationOutcome::kIgnored;
   LandmarkId id = 0;  ///< of the landmark, if matched
 };
 
-/// What the features of one reading say to one particle.
+/// What one particle concludes from the features of one reading.
 struct Evidence {
   PoseWithCovariance2
       map_from_base;  ///< with the confirmed landmarks among the matched taken into account
@@ -50,11 +50,11 @@ struct Evidence {
 
 /// FastSLAM 2.0: associates by position (Mahalanobis distance within the gate) and classifier, each
 /// landmark at most once, and corrects the pose by one confirmed landmark after the other, the
-/// surest first. What was uncertain is looked at again from the corrected pose; what stays
-/// uncertain is drawn by lot in proportion to the likelihoods, so that particles come to differ and
+/// most certain first. What was uncertain is associated again from the corrected pose; what stays
+/// uncertain is sampled in proportion to the likelihoods, so that particles come to differ and
 /// later readings choose among them. (Montemerlo et al., IJCAI 2003; the weight is the product of
 /// the innovations' densities, each over the density of unknown features; with `draw_jointly` that
-/// of pairs drawn by lot is the sum over all ways to pair them.) \param random  for this
+/// of sampled pairs is the sum over all ways to pair them.) \param random  for this
 /// particle and reading alone
 Evidence associate(const std::vector<Observation>& observations,
                    const LandmarkTree& landmarks,

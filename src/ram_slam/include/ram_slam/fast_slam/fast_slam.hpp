@@ -25,9 +25,9 @@ namespace ram_slam {
 /// How well the filter does.
 struct FastSlamQuality {
   double effective_fraction = 1.0;  ///< effective particles over all, before the last resampling
-  double matched_fraction = 1.0;    ///< of the features of late that were landmarks seen again
+  double matched_fraction = 1.0;    ///< of the features recently that were landmarks seen again
   double normalised_innovation =
-      1.0;  ///< squared Mahalanobis distance per degree of freedom of late; 1 is expected
+      1.0;  ///< squared Mahalanobis distance per degree of freedom recently; 1 is expected
   int matched_count = 0;  ///< of the last list, in the best particle
   int new_count = 0;
   int ignored_count = 0;
@@ -67,7 +67,7 @@ public:
   std::int64_t stamp_ns() const { return stamp_ns_; }
 
   /// Mean over all particles and what each of them was drawn from, at stamp_ns(). The covariance is
-  /// that of the pose in the frame of the start: the mixture's, or what MapDrift says if that is
+  /// that of the pose in the frame of the start: the mixture's, or MapDrift's if that is
   /// more, and SharedError (fast_slam_2).
   const PoseWithCovariance2& estimate() const { return estimate_; }
   /// The path of the best particle, oldest pose first.
@@ -136,8 +136,6 @@ private:
   Step prepare(const MotionStep& step) const;
   void move(const Step& step);
   std::vector<DescriptorPointer> describe(const FeatureList& list) const;
-  /// Null without a matcher for the type or without a classifier.
-  DescriptorPointer describe(const std::string& type, const std::string& classifier) const;
   std::vector<Observation> observe(const FeatureList& list,
                                    const std::vector<DescriptorPointer>& descriptors) const;
   /// Whether the maps shall be updated: not while nothing new is to be seen.
@@ -152,9 +150,9 @@ private:
   /// The landmark that other particles already have where this feature is and this one has not.
   std::optional<LandmarkId> idUsedElsewhere(const Observation& observation,
                                             const Particle& particle) const;
-  void rememberViews(const FeatureList& list,
-                     const std::vector<DescriptorPointer>& descriptors,
-                     const std::vector<Association>& associations);
+  void rememberSightings(const FeatureList& list,
+                         const std::vector<DescriptorPointer>& descriptors,
+                         const std::vector<Association>& associations);
   void rate(const Evidence& evidence);
   void collectEvidence(const FieldOfView* view);
   Doubt doubtOf(const LandmarkRecord& record,
@@ -168,12 +166,11 @@ private:
   void resample();
   void refreshBounds(LandmarkRecord& record) const;
   void remove(LandmarkId id);
-  /// Landmarks of the best particle that cannot be told from an older one.
+  /// Landmarks of the best particle that are indistinguishable from an older one.
   void removeDuplicates();
   /// Landmarks that no particle holds any more.
   void forgetAbandoned();
   std::vector<double> weights() const;
-  const FeatureMatcher* matcher(const std::string& type) const;
 
   FastSlamParameters parameters_;
   FeatureMatchers matchers_;

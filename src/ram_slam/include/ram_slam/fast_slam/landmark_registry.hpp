@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,18 +14,14 @@
 
 namespace ram_slam {
 
-/// The matcher of each type of feature; a type without one is matched by geometry alone.
-using FeatureMatchers = std::map<std::string, std::shared_ptr<const FeatureMatcher>>;
-using DescriptorPointer = std::shared_ptr<const FeatureMatcher::Descriptor>;
-
 /// What all particles know alike about a landmark; where it is, each knows for itself.
 struct LandmarkRecord {
   LandmarkId id = 0;
   std::string type;
   /// Of the feature that created it; shared, because the filter is copied all the time.
   std::shared_ptr<const std::string> classifier;
-  std::int64_t placed_ns = 0;            ///< when it was first put into a map
-  std::vector<DescriptorPointer> views;  ///< how it looked, from different places
+  std::int64_t placed_ns = 0;                  ///< when it was first put into a map
+  std::vector<DescriptorPointer> descriptors;  ///< its appearance, from different places
   double existence_log_odds = 0.0;
   bool was_confirmed = false;    ///< at some time
   double matched_weight = 0.0;   ///< share of the particles that saw it in the last reading
@@ -42,7 +37,7 @@ struct LandmarkRecord {
 /// used again.
 class LandmarkRegistry {
 public:
-  /// A landmark that looks like this feature; its bounds are still empty.
+  /// A landmark with the appearance of this feature; its bounds are still empty.
   LandmarkRecord& create(const Feature& feature, DescriptorPointer descriptor);
   /// Null if there is none. Valid until create() or remove().
   LandmarkRecord* find(LandmarkId id);
@@ -61,17 +56,11 @@ private:
   LandmarkId next_id_ = 0;
 };
 
-/// The largest of the log-likelihood ratios between a descriptor and the views; 0 without a
-/// matcher, a descriptor or a view.
-double logLikelihoodRatio(const FeatureMatcher* matcher,
-                          const DescriptorPointer& descriptor,
-                          const std::vector<DescriptorPointer>& views);
-
-/// Remembers from where the landmark was seen, and how it looked if it never looked like that.
-void addView(LandmarkRecord& record,
-             const Eigen::Vector2d& robot_from_landmark_m,
-             const FeatureMatcher* matcher,
-             const DescriptorPointer& descriptor);
+/// Remembers from where the landmark was seen, and its descriptor if it is unlike the known ones.
+void addSighting(LandmarkRecord& record,
+                 const Eigen::Vector2d& robot_from_landmark_m,
+                 const FeatureMatcher* matcher,
+                 const DescriptorPointer& descriptor);
 
 /// Averages in one more observation of the landmark's orientation in the map.
 void addOrientation(LandmarkRecord& record, double orientation_rad, double variance_rad2);

@@ -14,8 +14,6 @@
 
 namespace ram_slam {
 
-using LandmarkId = std::uint32_t;
-
 /// A map from identifiers to landmarks that copies in constant time: copies share everything until
 /// one is written to, and a write copies only the path to the landmark, O(log N) (Montemerlo et
 /// al., AAAI 2002, section 3.4).

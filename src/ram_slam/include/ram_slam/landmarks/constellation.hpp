@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "ram_slam/fast_slam/landmark_registry.hpp"
 #include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/landmarks/feature_matcher.hpp"
 
 namespace ram_slam {
 

@@ -39,6 +39,6 @@ struct FeatureList {
 /// sees each at another time.
 /// \param motion  of the robot over the interval up to the stamp, taken to go on as it was; without
 /// effect if the interval is not positive or longer than 1 s
-FeatureList seenAtOnce(FeatureList list, const Pose2& motion, std::int64_t interval_ns);
+FeatureList deskew(FeatureList list, const Pose2& motion, std::int64_t interval_ns);
 
 }  // namespace ram_slam

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include <Eigen/Core>
 
 #include "ram_slam/geometry/pose2.hpp"
 
 namespace ram_slam {
+
+/// Identifies a landmark in a map; never used again for another one.
+using LandmarkId = std::uint32_t;
 
 /// One particle's belief about where one landmark is: a Gaussian in the map frame, given the
 /// particle's path.
@@ -20,7 +25,7 @@ struct PointMeasurement {
   Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();
 };
 
-/// What a measurement says beyond what was expected.
+/// The difference between a measurement and what was expected.
 struct Innovation {
   Eigen::Vector2d residual_m = Eigen::Vector2d::Zero();         ///< measured - expected, base frame
   Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Identity();  ///< of the residual

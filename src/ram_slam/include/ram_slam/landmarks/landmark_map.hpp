@@ -7,8 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "ram_slam/fast_slam/landmark_registry.hpp"
-#include "ram_slam/fast_slam/particle.hpp"
+#include "ram_slam/landmarks/landmark.hpp"
 
 namespace ram_slam {
 
@@ -38,16 +37,5 @@ struct LandmarkMap {
   std::vector<LandmarkEstimate> landmarks;      ///< ordered by id
   std::vector<LandmarkCovariance> covariances;  ///< ordered by (first_id, second_id)
 };
-
-/// The landmarks of one particle but for those that were confirmed once and overlooked so often
-/// since that they may not be there, each averaged over all
-/// particles that hold it (law of total covariance): mean_i = sum_k w_k mean_i^k, Cov(i, j) = sum_k
-/// w_k (mean_i^k - mean_i)(mean_j^k - mean_j)^T + [i = j] sum_k w_k Cov_i^k. Cross-covariances are
-/// given between landmarks within 5 m whose correlation exceeds 0.1. \param weights  one per
-/// particle, of sum 1
-LandmarkMap summarise(const LandmarkRegistry& registry,
-                      const Particle& chosen,
-                      const std::vector<Particle>& particles,
-                      const std::vector<double>& weights);
 
 }  // namespace ram_slam

@@ -61,7 +61,7 @@ public:
           const RecoveryParameters& recovery,
           FeatureMatchers matchers = {});
 
-  /// As FastSlam::update(), the features made seenAtOnce(). If it throws nothing has changed.
+  /// As FastSlam::update(), the features deskewed (deskew()). If it throws nothing has changed.
   /// \param step  the motion since stamp_ns(), the identity before the first list
   void update(const FeatureList& features,
               const MotionStep& step,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ram_slam/landmarks/landmark_map.hpp"
+#include "ram_slam/fast_slam/map_summary.hpp"
 
 #include <algorithm>
 #include <cmath>
