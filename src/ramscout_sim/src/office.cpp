@@ -55,16 +55,12 @@ private:
         makeWall({x0, y0}, {x1, y1}, parameters_.wall_thickness_m, parameters_.wall_height_m));
   }
 
-  void addBox(double x,
-              double y,
-              double length_x_m,
-              double length_y_m,
-              double height_m,
-              double yaw_rad = 0.0) {
+  /// On the floor.
+  void addBox(const Pose2& place, const Eigen::Vector3d& size_m) {
     Solid box;
-    box.world_from_solid.translate(Eigen::Vector3d(x, y, 0.5 * height_m));
-    box.world_from_solid.rotate(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
-    box.size_m = {length_x_m, length_y_m, height_m};
+    box.world_from_solid.translate(Eigen::Vector3d(place.x_m, place.y_m, 0.5 * size_m.z()));
+    box.world_from_solid.rotate(Eigen::AngleAxisd(place.yaw_rad, Eigen::Vector3d::UnitZ()));
+    box.size_m = size_m;
     office_.world.solids.push_back(box);
   }
 
@@ -122,7 +118,7 @@ private:
       const double into_room = row.doors_at_top ? -0.9 : 0.9;
       const double yaw_rad = random_.uniform(-0.1, 0.1);
       if (!movable) {
-        addBox(hinge_m, y + 0.5 * into_room, 0.04, std::abs(into_room), 2.0, yaw_rad);
+        addBox({hinge_m, y + 0.5 * into_room, yaw_rad}, {0.04, std::abs(into_room), 2.0});
       }
     }
   }
@@ -177,11 +173,12 @@ private:
     const double inward = row.doors_at_top ? 1.0 : -1.0;
     const double back_m = row.doors_at_top ? row.bottom_m : row.top_m;
     const double free_m = right_m - left_m - parameters_.wall_thickness_m;
-    addBox(left_m + 0.5 * parameters_.wall_thickness_m + random_.uniform(0.5, free_m - 1.0),
-           back_m + inward * 0.5, 1.2, 0.45, 1.2);
+    const double cabinet_m =
+        left_m + 0.5 * parameters_.wall_thickness_m + random_.uniform(0.5, free_m - 1.0);
+    addBox({cabinet_m, back_m + inward * 0.5, 0.0}, {1.2, 0.45, 1.2});
     const double desk_m = left_m + random_.uniform(1.0, std::max(1.1, free_m - 1.0));
-    addBox(desk_m, back_m + inward * random_.uniform(1.8, 2.6), 1.6, 0.8, 0.74,
-           random_.uniform(-0.3, 0.3));
+    const double desk_yaw_rad = random_.uniform(-0.3, 0.3);
+    addBox({desk_m, back_m + inward * random_.uniform(1.8, 2.6), desk_yaw_rad}, {1.6, 0.8, 0.74});
     Solid bin;
     bin.shape = Shape::kCylinder;
     bin.size_m = {0.4, 0.4, 0.5};
