@@ -339,18 +339,6 @@ TEST(Faults, AreWrittenAsTheLineThatAFileCanHold) {
   EXPECT_EQ(copies[1].target, "a: b");
 }
 
-TEST(Start, InsideAWallIsRefusedWithTheNearestFreePose) {
-  World room = testing::makeRoom(8.0, 5.0);
-  room.start = {8.05, 2.5, 0.0};
-  std::string reason;
-  try {
-    Simulation(perfect(), testing::shippedRobot(), room, std::nullopt);
-  } catch (const std::invalid_argument& error) {
-    reason = error.what();
-  }
-  EXPECT_THAT(reason, ::testing::HasSubstr("free is ["));
-}
-
 TEST(Faults, AreRefusedOutOfBoundsAndByName) {
   Simulation simulation = robotOnFloor();
   EXPECT_THROW(simulation.inject(fault(FaultKind::kWheelSlip, 0.0, 0.3)), std::invalid_argument);
