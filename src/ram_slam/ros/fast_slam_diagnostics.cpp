@@ -3,6 +3,8 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 
+#include "stage_diagnostics.hpp"
+
 namespace ram_slam_ros {
 namespace {
 
@@ -20,20 +22,6 @@ void add(DiagnosticStatus& status, const char* key, const Value& value) {
 }
 
 }  // namespace
-
-std::string toText(ram_slam::LostReason reason) {
-  switch (reason) {
-    case ram_slam::LostReason::kTracking:
-      return "tracking";
-    case ram_slam::LostReason::kDiscontinuity:
-      return "recent readings show two different places";
-    case ram_slam::LostReason::kMapContradicts:
-      return "the readings contradict the map";
-    case ram_slam::LostReason::kRequested:
-      return "a global localisation was requested";
-  }
-  return "";
-}
 
 FastSlamDiagnostics::FastSlamDiagnostics() {
   publisher_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
@@ -54,13 +42,16 @@ void FastSlamDiagnostics::addRejectedList() {
   ++rejected_lists_;
 }
 
-void FastSlamDiagnostics::set(const ram_slam::Tracker& slam, bool paused) {
+void FastSlamDiagnostics::set(const ram_slam::EstimatorStage& stage,
+                              const ram_slam::DropCounter& queue_drops,
+                              bool paused) {
   const std::lock_guard<std::mutex> lock(mutex_);
   paused_ = paused;
-  reason_ = slam.reason();
-  agreement_ = slam.agreement();
-  quality_ = slam.filter().quality();
-  landmarks_ = slam.filter().registry().records().size();
+  is_lost_ = stage.estimator().isLost();
+  state_ = stage.estimator().state();
+  health_ = stage.estimator().health();
+  drops_ = stage.drops();
+  queue_drops_ = queue_drops;
 }
 
 DiagnosticStatus FastSlamDiagnostics::status() {
@@ -72,10 +63,10 @@ DiagnosticStatus FastSlamDiagnostics::status() {
   status.name = ros::this_node::getName() + ": localisation";
   status.hardware_id = "none";
   status.level = DiagnosticStatus::OK;
-  status.message = toText(reason_);
-  if (reason_ != ram_slam::LostReason::kTracking) {
+  status.message = state_;
+  if (is_lost_) {
     status.level = DiagnosticStatus::ERROR;
-    status.message = "lost: " + toText(reason_);
+    status.message = "lost: " + state_;
   } else if (newly_rejected > 0) {
     status.level = newly_rejected > newly_good ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
     status.message = "features rejected";
@@ -83,18 +74,13 @@ DiagnosticStatus FastSlamDiagnostics::status() {
     status.level = DiagnosticStatus::WARN;
     status.message = paused_ ? "paused" : "no features";
   }
-  add(status, "lost", reason_ == ram_slam::LostReason::kTracking ? 0 : 1);
-  add(status, "quality: landmarks found of those expected", agreement_.quality());
-  add(status, "landmarks expected", agreement_.expected_count);
-  add(status, "landmarks found", agreement_.found_count);
-  add(status, "places with features unknown to the map", agreement_.unexplained_count);
-  add(status, "features matched of late", quality_.matched_fraction);
-  add(status, "normalised innovation", quality_.normalised_innovation);
-  add(status, "effective particles", quality_.effective_fraction);
-  add(status, "landmarks", landmarks_);
+  add(status, "lost", is_lost_ ? 1 : 0);
+  for (const auto& [key, value] : health_) add(status, key.c_str(), value);
   add(status, "lists per second", static_cast<double>(lists_ - reported_lists_) / kPeriodS);
   add(status, "features rejected", rejected_features_);
   add(status, "lists rejected", rejected_lists_);
+  addDrops(status, drops_);
+  addDrops(status, queue_drops_);
   reported_lists_ = lists_;
   reported_rejected_ = rejected;
   reported_good_ = features_;

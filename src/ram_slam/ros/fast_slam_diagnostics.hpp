@@ -4,27 +4,28 @@
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <diagnostic_msgs/DiagnosticStatus.h>
 #include <ros/ros.h>
 
-#include "ram_slam/tracking/tracker.hpp"
+#include "ram_slam/stages/estimator_stage.hpp"
 
 namespace ram_slam_ros {
 
-/// Why the robot does not know where it is, in words.
-std::string toText(ram_slam::LostReason reason);
-
-/// How the filter does, once per second on /diagnostics, from a thread of ROS's own: OK while the
-/// robot is tracked, WARN if features are rejected, do not come or are not wanted, ERROR while it
-/// is lost or most features are rejected.
+/// How the estimator does, once per second on /diagnostics, from a thread of ROS's own: OK while
+/// the robot is tracked, WARN if features are rejected, do not come or are not wanted, ERROR while
+/// it is lost or most features are rejected.
 class FastSlamDiagnostics {
 public:
   FastSlamDiagnostics();
 
   void addFeatures(std::size_t good_count, std::size_t rejected_count);
   void addRejectedList();
-  void set(const ram_slam::Tracker& slam, bool paused);
+  void set(const ram_slam::EstimatorStage& stage,
+           const ram_slam::DropCounter& queue_drops,
+           bool paused);
 
 private:
   void publish();
@@ -41,10 +42,11 @@ private:
   ros::WallTime newest_;
 
   bool paused_ = false;
-  ram_slam::LostReason reason_ = ram_slam::LostReason::kTracking;
-  ram_slam::MapAgreement agreement_;
-  ram_slam::FastSlamQuality quality_;
-  std::size_t landmarks_ = 0;
+  bool is_lost_ = false;
+  std::string state_ = "tracking";
+  std::vector<std::pair<std::string, double>> health_;
+  ram_slam::DropCounter drops_;
+  ram_slam::DropCounter queue_drops_;
 
   ros::NodeHandle node_;
   ros::Publisher publisher_;

@@ -9,10 +9,12 @@
 #include <nav_msgs/Path.h>
 #include <std_msgs/Bool.h>
 
+#include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/landmark_conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
+#include "ram_slam/stages/clock_guard.hpp"
 #include "ram_slam/world_map/landmark_layer.hpp"
 #include "ram_slam/world_map/world_map_file.hpp"
 
@@ -24,7 +26,6 @@ using std::chrono::steady_clock;
 
 constexpr double kLogPeriodS = 5.0;
 constexpr std::size_t kMostQueued = 500;
-constexpr std::int64_t kClockSetBackNs = 1'000'000'000;
 /// How long a list waits for the odometry that it needs, in wall time; shorter while odometry is
 /// known to be missing.
 constexpr auto kPatience = milliseconds(1000);
@@ -32,37 +33,46 @@ constexpr auto kPatienceInterrupted = milliseconds(20);
 constexpr auto kFirstRetry = milliseconds(2);
 constexpr auto kLongestRetry = milliseconds(100);
 constexpr auto kServicePatience = milliseconds(200);
-/// Least standard deviations of an initial pose [m], [rad]: nobody clicks more exactly.
+/// Least standard deviations of an initial pose [m], [rad]: a click is no more exact.
 constexpr double kInitialSigma_m = 0.01;
 constexpr double kInitialSigma_rad = 0.005;
-/// Corrections of the pose that are told: consumers see it jump.
-constexpr double kToldCorrection_m = 0.2;
-constexpr double kToldCorrection_rad = 0.1;
+/// Corrections of the pose that are logged: consumers see it jump.
+constexpr ram_slam::MotionGate kLoggedCorrection{0.2, 0.1};
 constexpr std::size_t kMostMapBytes = std::size_t{1} << 31;
 
-void tellOfCorrection(const ram_slam::Pose2& before, const ram_slam::Pose2& after) {
+void logCorrection(const ram_slam::Pose2& before, const ram_slam::Pose2& after) {
   const ram_slam::Pose2 correction = before.inverse() * after;
-  const double moved_m = correction.translation().norm();
-  if (moved_m < kToldCorrection_m && std::abs(correction.yaw_rad) < kToldCorrection_rad) return;
-  ROS_WARN_STREAM("The smoothed trajectory moves the pose by " << moved_m << " m and turns it by "
-                                                               << correction.yaw_rad
-                                                               << " rad, and the map with it");
+  if (!kLoggedCorrection.isReachedBy(correction)) return;
+  ROS_WARN_STREAM("The smoothed trajectory moves the pose by "
+                  << correction.translation().norm() << " m and turns it by " << correction.yaw_rad
+                  << " rad, and the map with it");
+}
+
+ram_slam::EstimatorFactory readEstimator(ram_parameters::ParameterReader& reader,
+                                         const std::string& name,
+                                         const MatcherPlugins& matchers) {
+  return ram_slam::findEstimator(name)(reader, matchers.matchers());
+}
+
+double readFutureInterpol(ram_parameters::ParameterReader& reader) {
+  double ahead_s = 0.1;
+  reader.read("future_interpol", ahead_s);
+  return ahead_s;
 }
 
 }  // namespace
 
 FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
     : node_parameters_(readFastSlamNodeParameters(reader)),
-      parameters_(ram_slam::readFastSlamParameters(reader)),
-      recovery_parameters_(ram_slam::readRecoveryParameters(reader)),
+      future_interpol_s_(readFutureInterpol(reader)),
+      make_estimator_(readEstimator(reader, node_parameters_.estimator, matchers_)),
       views_(node_parameters_.frames.base, buffer_),
-      map_to_odom_(node_parameters_.frames, parameters_.future_interpol, buffer_),
+      map_to_odom_(node_parameters_.frames, future_interpol_s_, buffer_),
       kinematics_(node_),
-      motion_(kinematics_),
       checkpoints_(node_parameters_.checkpoint_file, node_parameters_.checkpoint_period),
-      filter_(makeFilter()) {
+      stage_(make_estimator_, kinematics_, node_parameters_.readings) {
   advertise();
-  if (!goOnFromCheckpoint()) loadInitialMap();
+  if (!restoreCheckpoint()) loadInitialMap();
   publishLost();
   thread_ = std::thread([this] { run(); });
   subscribe();
@@ -73,7 +83,7 @@ FastSlamNode::~FastSlamNode() {
   stop_ = true;
   queue_changed_.notify_all();
   thread_.join();
-  checkpoints_.remove();  // it was not killed
+  checkpoints_.remove();  // this is an orderly end
 }
 
 void FastSlamNode::advertise() {
@@ -113,13 +123,14 @@ void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
     diagnostics_.addFeatures(checked.list.features.size(), checked.rejected_count);
     if (checked.rejected_count > 0) {
       ROS_WARN_STREAM_THROTTLE(
-          kLogPeriodS, "Left out " << checked.rejected_count << " features that are no good");
+          kLogPeriodS, checked.rejected_count << " of " << message.features.size()
+                                              << " features on " << subscribers_.front().getTopic()
+                                              << " rejected: position or covariance unusable");
     }
     const std::lock_guard<std::mutex> lock(queue_mutex_);
     if (queue_.size() >= kMostQueued) {
+      queue_drops_.add(ram_slam::DropReason::kQueueFull, queue_.front().stamp_ns, "features");
       queue_.pop_front();
-      ROS_WARN_THROTTLE(kLogPeriodS,
-                        "Features come faster than they can be used: dropped the oldest");
     }
     enqueue(std::move(checked.list));
     queue_changed_.notify_one();
@@ -133,7 +144,7 @@ void FastSlamNode::enqueue(ram_slam::FeatureList list) {
   // Detectors need different times for one scan; what is much older is of another run of the clock.
   auto place = queue_.end();
   while (place != queue_.begin() && std::prev(place)->stamp_ns > list.stamp_ns &&
-         std::prev(place)->stamp_ns - list.stamp_ns < kClockSetBackNs)
+         !ram_slam::ClockGuard::isSetBack(std::prev(place)->stamp_ns, list.stamp_ns))
     --place;
   queue_.insert(place, std::move(list));
 }
@@ -152,10 +163,10 @@ void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped&
     const Eigen::Vector3d least(kInitialSigma_m, kInitialSigma_m, kInitialSigma_rad);
     for (int i = 0; i < 3; ++i)
       pose.covariance(i, i) = std::max(pose.covariance(i, i), least[i] * least[i]);
-    const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
-    if (!lock.owns_lock()) throw std::runtime_error("the filter is busy");
-    filter_->setPose(pose);
-    map_to_odom_.correct(filter_->stamp_ns(), pose.pose);
+    const std::unique_lock<std::timed_mutex> lock(stage_mutex_, kServicePatience);
+    if (!lock.owns_lock()) throw std::runtime_error("the estimator is busy");
+    stage_.estimator().setPose(pose);
+    map_to_odom_.correct(stage_.estimator().stamp_ns(), pose.pose);
     publishLost();
     ROS_INFO_STREAM("Pose set to (" << pose.pose.x_m << " m, " << pose.pose.y_m << " m, "
                                     << pose.pose.yaw_rad << " rad)");
@@ -167,31 +178,39 @@ void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped&
 void FastSlamNode::onSmoothedTrajectory(const nav_msgs::Path& message) {
   try {
     ram_slam::Trajectory trajectory = toTrajectory(message);
-    const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
-    if (!lock.owns_lock()) throw std::runtime_error("the filter is busy");
-    const ram_slam::Pose2 before = filter_->estimate().pose;
-    const ram_slam::Pose2 map_from_smoothed = filter_->followTrajectory(trajectory);
-    tellOfCorrection(before, filter_->estimate().pose);
-    for (ram_slam::StampedPose2& stamped : trajectory)
-      stamped.pose = map_from_smoothed * stamped.pose;
-    corrected_trajectory_.publish(toPath(trajectory, node_parameters_.frames.map));
-    last_output_ns_ = 0;
-    publishPose();
-    publishMap();
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    smoothed_ = std::move(trajectory);
+    queue_changed_.notify_one();
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected a smoothed trajectory: " << error.what());
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    queue_drops_.add(ram_slam::DropReason::kInvalidTrajectory, toNanoseconds(message.header.stamp),
+                     error.what());
   }
+}
+
+void FastSlamNode::followCorrection() {
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    if (smoothed_) stage_.addCorrection(std::move(*smoothed_));
+    smoothed_.reset();
+  }
+  const ram_slam::Pose2 before = stage_.estimator().estimate().pose;
+  const auto corrected = stage_.followCorrection();
+  if (!corrected) return;
+  logCorrection(before, stage_.estimator().estimate().pose);
+  corrected_trajectory_.publish(toPath(*corrected, node_parameters_.frames.map));
+  last_output_ns_ = 0;
 }
 
 bool FastSlamNode::onGlobalLocalization(std_srvs::Empty::Request& /*request*/,
                                         std_srvs::Empty::Response& /*response*/) {
-  const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
+  const std::unique_lock<std::timed_mutex> lock(stage_mutex_, kServicePatience);
   if (!lock.owns_lock()) {
-    ROS_WARN("No global localization: the filter is busy");
+    ROS_WARN("No global localization: the estimator is busy");
     return false;
   }
-  filter_->forgetPose();
-  if (!filter_->lost()) {
+  stage_.estimator().forgetPose();
+  if (!stage_.estimator().isLost()) {
     ROS_WARN("No global localization: there is no map yet, or relocalisation is disabled");
     return false;
   }
@@ -201,13 +220,14 @@ bool FastSlamNode::onGlobalLocalization(std_srvs::Empty::Request& /*request*/,
 
 bool FastSlamNode::onReset(std_srvs::Trigger::Request& /*request*/,
                            std_srvs::Trigger::Response& response) {
-  const std::unique_lock<std::timed_mutex> lock(filter_mutex_, kServicePatience);
+  const std::unique_lock<std::timed_mutex> lock(stage_mutex_, kServicePatience);
   response.success = lock.owns_lock();
   if (response.success) {
-    restart("asked to");
+    stage_.reset();
+    afterReset("a reset was requested");
     publishLost();
   } else {
-    response.message = "the filter is busy; try again";
+    response.message = "the estimator is busy; try again";
   }
   return true;
 }
@@ -216,23 +236,36 @@ bool FastSlamNode::onPause(std_srvs::SetBool::Request& request,
                            std_srvs::SetBool::Response& response) {
   paused_ = request.data;
   response.success = true;
-  response.message =
-      request.data ? "features are dropped until further notice" : "features are used";
+  response.message = request.data ? "features are dropped until resumed" : "features are used";
   ROS_INFO_STREAM((request.data ? "Paused" : "Resumed"));
   return true;
 }
 
 void FastSlamNode::run() {
   while (true) {
-    ram_slam::FeatureList list;
+    std::optional<ram_slam::FeatureList> list;
     {
       std::unique_lock<std::mutex> lock(queue_mutex_);
-      queue_changed_.wait(lock, [this] { return stop_ || !queue_.empty(); });
+      queue_changed_.wait(lock, [this] { return stop_ || !queue_.empty() || smoothed_; });
       if (stop_) return;
-      list = std::move(queue_.front());
-      queue_.pop_front();
+      if (!queue_.empty()) {
+        list = std::move(queue_.front());
+        queue_.pop_front();
+      }
     }
-    if (!paused_) process(list);
+    if (list && paused_) {
+      const std::lock_guard<std::timed_mutex> lock(stage_mutex_);
+      stage_.drops().add(ram_slam::DropReason::kPaused, list->stamp_ns, "features");
+    } else if (list) {
+      process(*list);
+    } else {
+      const std::lock_guard<std::timed_mutex> lock(stage_mutex_);
+      followCorrection();
+      if (last_output_ns_ == 0 && stage_.estimator().started()) {
+        publishPose();
+        publishMap();
+      }
+    }
   }
 }
 
@@ -240,77 +273,63 @@ void FastSlamNode::process(const ram_slam::FeatureList& list) {
   const auto start = steady_clock::now();
   auto pause = kFirstRetry;
   const auto patience = interrupted_ ? kPatienceInterrupted : kPatience;
-  try {
-    while (!tryUpdate(list)) {
-      if (stop_ || !ros::ok()) return;
-      if (steady_clock::now() - start > patience) {
-        ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No motion up to the features: " << missing_motion_);
-        interrupted_ = true;
-        bridgeGap(list.stamp_ns);
-        return;
-      }
-      std::this_thread::sleep_for(pause);
-      pause = std::min(2 * pause, kLongestRetry);
+  while (!tryUpdate(list)) {
+    if (stop_ || !ros::ok()) return;
+    if (steady_clock::now() - start > patience) {
+      interrupted_ = true;
+      bridgeGap(list.stamp_ns);
+      return;
     }
-    if (interrupted_) ROS_INFO("Odometry is back");
-    interrupted_ = false;
-    motion_.forget();
-  } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Skipped features: " << error.what());
+    std::this_thread::sleep_for(pause);
+    pause = std::min(2 * pause, kLongestRetry);
   }
+  if (interrupted_) ROS_INFO("The motion up to the features is known again");
+  interrupted_ = false;
 }
 
 bool FastSlamNode::tryUpdate(const ram_slam::FeatureList& list) {
   const std::shared_ptr<const ram_slam::LaserView> view = views_.at(list.stamp_ns);
-  const std::lock_guard<std::timed_mutex> lock(filter_mutex_);
-  if (list.stamp_ns + kClockSetBackNs < filter_->stamp_ns()) restart("the clock was set back");
-  try {
-    // The first list does not need a motion, but the second one needs it from here on.
-    if (!filter_->started()) kinematics_.motion(list.stamp_ns, list.stamp_ns);
-    filter_->update(list, motion_, view);
-  } catch (const std::out_of_range& error) {
-    missing_motion_ = error.what();
-    return false;
+  const std::lock_guard<std::timed_mutex> lock(stage_mutex_);
+  const int reset_count = stage_.resetCount();
+  const auto motion = stage_.motionUntil(list.stamp_ns);
+  if (stage_.resetCount() != reset_count) afterReset("the stamps of the features were set back");
+  if (!motion) return false;
+  if (stage_.isDue(*motion) && stage_.update(list, *motion, view)) from_checkpoint_ = false;
+  followCorrection();
+  const ram_slam::Estimator& estimator = stage_.estimator();
+  if (estimator.started()) {
+    publishPose(std::max(list.stamp_ns, estimator.stamp_ns()), stage_.poseAt(*motion));
+    publishMap();
   }
-  from_checkpoint_ = false;
-  publishPose();
-  publishMap();
   publishLost();
-  if (checkpoints_.isDue(filter_->stamp_ns())) checkpoints_.keep(filter_->checkpoint());
+  if (checkpoints_.isDue(estimator.stamp_ns())) checkpoints_.keep(estimator.checkpoint());
   return true;
 }
 
-void FastSlamNode::restart(const std::string& reason) {
-  ROS_WARN_STREAM("Starting over with an empty map: " << reason);
+void FastSlamNode::afterReset(const std::string& reason) {
+  ROS_WARN_STREAM("Starting again with an empty map: " << reason);
   if (from_checkpoint_) {
     checkpoints_.putAside("it is of another run of the clock");
   } else {
     checkpoints_.remove();
   }
   from_checkpoint_ = false;
-  filter_ = makeFilter();
   map_to_odom_.reset();
-  motion_.forget();
   interrupted_ = false;
   last_output_ns_ = 0;
 }
 
-std::unique_ptr<ram_slam::Tracker> FastSlamNode::makeFilter() const {
-  return std::make_unique<ram_slam::Tracker>(parameters_, recovery_parameters_,
-                                             matchers_.matchers());
-}
-
-bool FastSlamNode::goOnFromCheckpoint() {
+bool FastSlamNode::restoreCheckpoint() {
   const std::optional<ram_slam::Checkpoint> checkpoint = checkpoints_.load();
   if (!checkpoint) return false;
   try {
-    filter_->restore(*checkpoint);
+    stage_.estimator().restore(*checkpoint);
   } catch (const std::exception& error) {
     checkpoints_.putAside(error.what());
     return false;
   }
   from_checkpoint_ = true;
-  ROS_WARN_STREAM("Going on from the checkpoint of "
+  ROS_WARN_STREAM("Continuing from the checkpoint of "
                   << toTime(checkpoint->map.stamp_ns) << " in " << node_parameters_.checkpoint_file
                   << ", with " << checkpoint->map.landmarks.size() << " landmarks");
   publishMap();
@@ -318,14 +337,15 @@ bool FastSlamNode::goOnFromCheckpoint() {
 }
 
 void FastSlamNode::bridgeGap(std::int64_t stamp_ns) {
-  const std::lock_guard<std::timed_mutex> lock(filter_mutex_);
+  const std::lock_guard<std::timed_mutex> lock(stage_mutex_);
   const std::optional<ram_slam::Pose2> moved =
-      map_to_odom_.odometryBetween(filter_->stamp_ns(), stamp_ns);
-  motion_.interruptedUntil(stamp_ns, moved);
+      map_to_odom_.odometryBetween(stage_.estimator().stamp_ns(), stamp_ns);
+  stage_.bridgeGap(stamp_ns, moved);
+  publishLost();
   if (!from_checkpoint_ || moved) return;
-  ROS_WARN("No odometry since the checkpoint: looking for the robot in its map");
+  ROS_WARN("No odometry since the checkpoint: searching for the robot in its map");
   from_checkpoint_ = false;
-  filter_->forgetPose();
+  stage_.estimator().forgetPose();
   publishLost();
 }
 
@@ -335,51 +355,63 @@ void FastSlamNode::loadInitialMap() {
   const ram_slam::WorldMap world =
       ram_slam::worldMapFromBytes(ram_slam::readWholeFile(path, kMostMapBytes));
   const ram_slam::LandmarkMap map = toLandmarkMap(world.landmarks());
-  filter_->setMap(map);
+  stage_.estimator().setMap(map);
   ROS_INFO_STREAM("Loaded " << map.landmarks.size() << " landmarks from " << path
-                            << "; looking for the robot among them");
+                            << "; searching for the robot among them");
 }
 
 void FastSlamNode::publishPose() {
+  publishPose(stage_.estimator().stamp_ns(), stage_.estimator().estimate().pose);
+}
+
+void FastSlamNode::publishPose(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base) {
+  ram_slam::PoseWithCovariance2 estimate = stage_.estimator().estimate();
+  estimate.pose = map_from_base;
   geometry_msgs::PoseWithCovarianceStamped pose;
-  pose.header.stamp = toTime(filter_->stamp_ns());
+  pose.header.stamp = toTime(stamp_ns);
   pose.header.frame_id = node_parameters_.frames.map;
-  pose.pose = toPoseWithCovarianceMessage(filter_->estimate());
-  map_to_odom_.correct(filter_->stamp_ns(), filter_->estimate().pose);
+  pose.pose = toPoseWithCovarianceMessage(estimate);
+  map_to_odom_.correct(stamp_ns, map_from_base);
   pose_.publish(pose);
   if (particles_.getNumSubscribers() == 0) return;
   geometry_msgs::PoseArray particles;
   particles.header = pose.header;
-  if (!filter_->lost())
-    for (const ram_slam::Particle& particle : filter_->filter().particles()) {
-      particles.poses.push_back(toPoseMessage(particle.proposal.pose));
-    }
+  for (const ram_slam::Pose2& hypothesis : stage_.estimator().hypotheses())
+    particles.poses.push_back(toPoseMessage(hypothesis));
   particles_.publish(particles);
 }
 
 void FastSlamNode::publishLost() {
-  diagnostics_.set(*filter_, paused_);
-  if (published_lost_ == filter_->lost()) return;
-  if (filter_->lost()) {
-    ROS_WARN_STREAM("Lost: " << toText(filter_->reason())
+  const ram_slam::Estimator& estimator = stage_.estimator();
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    drop_log_.log(stage_.drops(),
+                  subscribers_.empty() ? "features" : subscribers_.front().getTopic());
+    queue_log_.log(queue_drops_,
+                   subscribers_.empty() ? "features" : subscribers_.front().getTopic());
+    diagnostics_.set(stage_, queue_drops_, paused_);
+  }
+  if (published_lost_ == estimator.isLost()) return;
+  if (estimator.isLost()) {
+    ROS_WARN_STREAM("Lost: " << estimator.state()
                              << "; the map stays as it is until the robot is found");
   } else if (published_lost_) {
     ROS_INFO_STREAM("The robot is found");
   }
-  published_lost_ = filter_->lost();
+  published_lost_ = estimator.isLost();
   std_msgs::Bool message;
-  message.data = filter_->lost();
+  message.data = estimator.isLost();
   lost_.publish(message);
 }
 
 void FastSlamNode::publishMap() {
   const auto period_ns = static_cast<std::int64_t>(node_parameters_.output_period * 1e9);
-  if (last_output_ns_ != 0 && filter_->stamp_ns() < last_output_ns_ + period_ns) return;
-  last_output_ns_ = filter_->stamp_ns();
-  const ram_slam::LandmarkMap map = filter_->filter().landmarks();
+  if (last_output_ns_ != 0 && stage_.estimator().stamp_ns() < last_output_ns_ + period_ns) return;
+  last_output_ns_ = stage_.estimator().stamp_ns();
+  const ram_slam::LandmarkMap map = stage_.estimator().landmarks();
   landmarks_.publish(toLandmarkMapMessage(map, node_parameters_.frames.map));
   landmark_markers_.publish(toMarkers(map, node_parameters_.frames.map));
-  trajectory_.publish(toPath(filter_->filter().trajectory(), node_parameters_.frames.map));
+  trajectory_.publish(toPath(stage_.estimator().trajectory(), node_parameters_.frames.map));
 }
 
 }  // namespace ram_slam_ros

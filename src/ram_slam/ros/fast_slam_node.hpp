@@ -23,8 +23,7 @@
 #include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/motion/gap_bridge.hpp"
-#include "ram_slam/tracking/tracker.hpp"
+#include "ram_slam/stages/estimator_stage.hpp"
 
 #include "checkpoint_keeper.hpp"
 #include "fast_slam_diagnostics.hpp"
@@ -33,10 +32,11 @@
 #include "laser_views.hpp"
 #include "map_to_odom_publisher.hpp"
 #include "matcher_plugins.hpp"
+#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
-/// Tracker in a ROS graph. Callbacks only queue; one thread runs the filter, another one
+/// An estimator in a ROS graph. Callbacks only queue; one thread runs the estimator, another one
 /// keeps tf valid, so that neither a slow update nor a missing kinematics node holds up the other.
 class FastSlamNode {
 public:
@@ -59,27 +59,32 @@ private:
 
   void subscribe();
   void advertise();
-  /// The thread of the filter.
+  /// The thread of the estimator.
   void run();
   void process(const ram_slam::FeatureList& list);
   /// False if the motion up to the list is not known yet.
   bool tryUpdate(const ram_slam::FeatureList& list);
-  void restart(const std::string& reason);
-  std::unique_ptr<ram_slam::Tracker> makeFilter() const;
-  /// False without a checkpoint of use.
-  bool goOnFromCheckpoint();
-  /// For want of the kinematics' motion up to a list: what tf tells, or nothing; then a checkpoint
-  /// does not say where the robot is now.
+  /// Follows the smoothed trajectory that arrived last, if there is one.
+  void followCorrection();
+  /// The stage has begun again with an empty map; the caller holds stage_mutex_.
+  void afterReset(const std::string& reason);
+  /// False without a usable checkpoint.
+  bool restoreCheckpoint();
+  /// For want of the kinematics' motion up to a list: the motion of tf, or none; then a checkpoint
+  /// does not state where the robot is now.
   void bridgeGap(std::int64_t stamp_ns);
   void loadInitialMap();
+  /// map_from_base at a stamp; the caller holds stage_mutex_.
+  void publishPose(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base);
+  /// The same at the estimator's stamp.
   void publishPose();
   void publishLost();
   void publishMap();
 
   FastSlamNodeParameters node_parameters_;
-  ram_slam::FastSlamParameters parameters_;
-  ram_slam::RecoveryParameters recovery_parameters_;
+  double future_interpol_s_ = 0.0;
   MatcherPlugins matchers_;
+  ram_slam::EstimatorFactory make_estimator_;
 
   ros::NodeHandle node_;
   tf2_ros::Buffer buffer_;
@@ -87,24 +92,26 @@ private:
   LaserViews views_;
   MapToOdomPublisher map_to_odom_;
   KinematicsClient kinematics_;
-  ram_slam::GapBridge motion_;
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   ros::Publisher pose_, particles_, landmarks_, landmark_markers_, trajectory_,
       corrected_trajectory_, lost_;
 
   CheckpointKeeper checkpoints_;
-  std::timed_mutex filter_mutex_;
-  std::unique_ptr<ram_slam::Tracker> filter_;
+  std::timed_mutex stage_mutex_;
+  ram_slam::EstimatorStage stage_;
   std::optional<bool> published_lost_;
   std::int64_t last_output_ns_ = 0;
   bool interrupted_ = false;
   bool from_checkpoint_ = false;  ///< and nothing has come since
-  std::string missing_motion_;    ///< why the last list could not be used yet
+  DropLog drop_log_;
+  DropLog queue_log_;
 
   std::mutex queue_mutex_;
   std::condition_variable queue_changed_;
   std::deque<ram_slam::FeatureList> queue_;
+  std::optional<ram_slam::Trajectory> smoothed_;  ///< newest one that arrived
+  ram_slam::DropCounter queue_drops_;
   std::atomic<bool> paused_{false};
   std::atomic<bool> stop_{false};
   FastSlamDiagnostics diagnostics_;

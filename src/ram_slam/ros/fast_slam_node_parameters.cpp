@@ -3,35 +3,66 @@
 
 #include <stdexcept>
 
-#include "ram_parameters/require.hpp"
-
 namespace ram_slam_ros {
+namespace {
+
+const ram_parameters::ParameterTable<Frames>& framesTable() {
+  static const auto table =
+      ram_parameters::ParameterTable<Frames>()
+          .add("map_frame", &Frames::map, "Frame of the pose and the map.")
+          .add("odom_frame", &Frames::odom,
+               "Parent of the base in tf: map_frame -> odom_frame is published.")
+          .add("base_frame", &Frames::base,
+               "The robot's base; features must be given in this frame.");
+  return table;
+}
+
+}  // namespace
+
+const ram_parameters::ParameterTable<FastSlamNodeParameters>& FastSlamNodeParameters::table() {
+  using P = FastSlamNodeParameters;
+  using ram_parameters::aboveUpTo;
+  using ram_parameters::atLeast;
+  static const auto table =
+      ram_parameters::ParameterTable<P>()
+          .heading("How the node is wired")
+          .add("estimator", &P::estimator,
+               "Which estimator runs: fast_slam, or one that was registered (docs/extending.md).")
+          .include(&P::frames, framesTable())
+          .add("feature_topics", &P::feature_topics, "Topics of detectors, at least one.")
+          .add("use_scan", &P::use_scan,
+               "Whether `scan` is subscribed to, so that landmarks are removed where the lidar "
+               "sees empty space.")
+          .add("output_period", &P::output_period, "s", atLeast(0.0),
+               "Least time between two outputs of landmarks and trajectory.")
+          .add("initial_map", &P::initial_map,
+               "World map file (*.world, written by the service save_map of world_map) to begin "
+               "with: its landmarks are the map and the robot starts lost in it; empty: an empty "
+               "map, the robot at its origin.")
+          .add("checkpoint_file", &P::checkpoint_file,
+               "File from which the node continues after it was killed: its map, its path, and the "
+               "robot about where it was. It takes precedence over initial_map, and is removed "
+               "when the node is reset or ends in order. A relative path begins in the node's "
+               "working directory, ~/.ros under roslaunch; empty: none. (docs/fast_slam.md)")
+          .add("checkpoint_period", &P::checkpoint_period, "s", aboveUpTo(0.0, 3600.0),
+               "Least time between two checkpoints.")
+          .include(&P::readings, ram_slam::EstimatorStageParameters::table());
+  return table;
+}
 
 void FastSlamNodeParameters::validate() const {
-  using ram_parameters::require;
-  if (feature_topics.empty()) {
+  if (feature_topics.empty())
     throw std::invalid_argument("node/feature_topics must name at least one topic");
+  try {
+    table().check(*this);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(std::string("node/") + error.what());
   }
-  require(output_period >= 0.0, "node/output_period", output_period, ">= 0");
-  require(0.0 < checkpoint_period && checkpoint_period <= 3600.0, "node/checkpoint_period",
-          checkpoint_period, "in (0, 3600]");
 }
 
 FastSlamNodeParameters readFastSlamNodeParameters(ram_parameters::ParameterReader& all) {
-  FastSlamNodeParameters parameters;
   ram_parameters::ParameterReader reader = all.section("node");
-  reader.read("map_frame", parameters.frames.map);
-  reader.read("odom_frame", parameters.frames.odom);
-  reader.read("base_frame", parameters.frames.base);
-  reader.read("feature_topics", parameters.feature_topics);
-  reader.read("use_scan", parameters.use_scan);
-  reader.read("output_period", parameters.output_period);
-  reader.read("initial_map", parameters.initial_map);
-  reader.read("checkpoint_file", parameters.checkpoint_file);
-  reader.read("checkpoint_period", parameters.checkpoint_period);
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
+  return FastSlamNodeParameters::table().readAll(reader);
 }
 
 }  // namespace ram_slam_ros

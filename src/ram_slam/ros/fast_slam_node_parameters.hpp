@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "ram_parameters/parameter_reader.hpp"
+#include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/stages/estimator_stage.hpp"
 
 #include "map_to_odom_publisher.hpp"
 
@@ -12,6 +13,7 @@ namespace ram_slam_ros {
 
 /// What only the node needs to know; the section `node` of config/fast_slam.yaml.
 struct FastSlamNodeParameters {
+  std::string estimator = "fast_slam";
   Frames frames;
   std::vector<std::string> feature_topics = {"features"};
   bool use_scan = true;
@@ -19,7 +21,9 @@ struct FastSlamNodeParameters {
   std::string initial_map;      ///< file of a world map; empty: none
   std::string checkpoint_file;  ///< empty: no checkpoints
   double checkpoint_period = 2.0;
+  ram_slam::EstimatorStageParameters readings;
 
+  static const ram_parameters::ParameterTable<FastSlamNodeParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };

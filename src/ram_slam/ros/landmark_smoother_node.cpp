@@ -7,13 +7,13 @@
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/landmark_conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
+#include "ram_slam/stages/clock_guard.hpp"
 
 namespace ram_slam_ros {
 namespace {
 
 constexpr std::uint32_t kQueueSize = 1000;  // features go on while it smooths
 constexpr double kWarnPeriodS = 5.0;
-constexpr std::int64_t kClockSetBackNs = 1'000'000'000;
 constexpr std::int64_t kPatienceNs = 2'000'000'000;  // by the stamps of newer lists
 
 }  // namespace
@@ -42,8 +42,8 @@ void LandmarkSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message)
     const std::int64_t newest_ns = !waiting_.empty() ? waiting_.back().stamp_ns
                                    : !steps_.empty() ? steps_.back().list.stamp_ns
                                                      : list.stamp_ns;
-    if (list.stamp_ns + kClockSetBackNs < newest_ns) {
-      ROS_WARN("time jumped back: smoothing starts anew");
+    if (ram_slam::ClockGuard::isSetBack(newest_ns, list.stamp_ns)) {
+      ROS_WARN("The stamps of the features were set back: smoothing starts again");
       steps_.clear();
       waiting_.clear();
       trajectory_.clear();

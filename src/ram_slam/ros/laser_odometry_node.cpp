@@ -15,9 +15,13 @@ constexpr double kWarnPeriodS = 5.0;
 
 LaserOdometryNode::LaserOdometryNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readLaserOdometryParameters(reader)),
-      odometry_(parameters_),
-      stamp_offset_(parameters_.max_stamp_offset_s),
-      queue_(parameters_.base_frame, parameters_.use_wheels) {
+      stage_(parameters_),
+      scans_(parameters_.base_frame, transforms_),
+      diagnostics_("odometry", [this]() -> StageDiagnostics::Report {
+        return {stage_.drops(),
+                {{"scans that contradict the wheels", static_cast<double>(stage_.slipCount())},
+                 {"stamp offset [s]", 1e-9 * static_cast<double>(stage_.stampOffset_ns())}}};
+      }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   publisher_ = node_.advertise<nav_msgs::Odometry>("laser_odom", kQueueSize);
   scan_subscriber_ = node_.subscribe("scan", kQueueSize, &LaserOdometryNode::onScan, this, hints);
@@ -26,56 +30,45 @@ LaserOdometryNode::LaserOdometryNode(ram_parameters::ParameterReader& reader)
         node_.subscribe("odom", kQueueSize, &LaserOdometryNode::onOdometry, this, hints);
   }
   ROS_INFO_STREAM(
-      "refining " << (parameters_.use_wheels ? odometry_subscriber_.getTopic() : "no wheels")
+      "Refining " << (parameters_.use_wheels ? odometry_subscriber_.getTopic() : "no odometry")
                   << " by " << scan_subscriber_.getTopic() << " into " << publisher_.getTopic());
 }
 
 void LaserOdometryNode::onScan(const sensor_msgs::LaserScan& message) {
-  try {
-    queue_.addScan(message);
-  } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected a scan: " << error.what());
-  }
+  scans_.add(message, stage_.drops());
   processWaiting();
 }
 
 void LaserOdometryNode::onOdometry(const nav_msgs::Odometry& message) {
+  const std::int64_t stamp_ns = toNanoseconds(message.header.stamp);
   try {
-    queue_.addOdometry(message);
-    stamp_offset_.addWheels({toNanoseconds(message.header.stamp), toPose2(message.pose.pose)});
+    stage_.addWheels({stamp_ns, toPose2(message.pose.pose)});
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected odometry: " << error.what());
+    stage_.drops().add(ram_slam::DropReason::kInvalidOdometry, stamp_ns, error.what());
   }
   processWaiting();
 }
 
 void LaserOdometryNode::processWaiting() {
-  while (true) {
-    try {
-      const auto next = queue_.next();
-      if (!next) return;
-      if (next->scan.stamp_ns + 1000000000 < last_stamp_ns_) {
-        ROS_WARN("time jumped back: laser odometry starts anew");
-        odometry_ = ram_slam::LaserOdometry(parameters_);
-        stamp_offset_ = ram_slam::StampOffset(parameters_.max_stamp_offset_s);
-      }
-      const ram_slam::LaserOdometryEstimate estimate =
-          odometry_.update(next->scan, next->base_from_laser, next->odom_from_base);
-      stamp_offset_.addScan({estimate.stamp_ns, estimate.odom_from_base.pose});
-      queue_.setStampOffset(stamp_offset_.offset_ns());
-      publish(estimate);
-      last_stamp_ns_ = next->scan.stamp_ns;
-    } catch (const std::exception& error) {
-      ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "skipped a scan: " << error.what());
-    }
+  while (auto scan = scans_.next(stage_.drops())) stage_.add(std::move(*scan));
+  while (const auto step = stage_.next()) publish(step->estimate);
+  if (stage_.resetCount() != reset_count_) {
+    reset_count_ = stage_.resetCount();
+    ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic()
+                                     << " were set back: laser odometry starts again");
   }
+  drop_log_.log(stage_.drops(),
+                scan_subscriber_.getTopic() + ", " +
+                    (parameters_.use_wheels ? odometry_subscriber_.getTopic() : ""));
 }
 
 void LaserOdometryNode::publish(const ram_slam::LaserOdometryEstimate& estimate) {
   if (estimate.wheels_slipped)
-    ROS_WARN_THROTTLE(kWarnPeriodS, "the wheels slip: scans contradict them");
-  if (estimate.wheels_stuck)
-    ROS_ERROR_THROTTLE(kWarnPeriodS, "odometry stuck: the robot moves, the wheels stand still");
+    ROS_WARN_THROTTLE(kWarnPeriodS, "The wheels slip: scans contradict the odometry");
+  if (estimate.wheels_stuck) {
+    ROS_ERROR_THROTTLE(kWarnPeriodS,
+                       "Odometry stuck: the robot moves by its scans, but odometry stands still");
+  }
   nav_msgs::Odometry message;
   message.header.stamp = toTime(estimate.stamp_ns);
   message.header.frame_id = parameters_.odom_frame;

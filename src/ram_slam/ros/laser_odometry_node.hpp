@@ -4,12 +4,14 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/calibration/stamp_offset.hpp"
-#include "ram_slam/scan_matching/laser_odometry.hpp"
+#include "ram_slam/stages/odometry_stage.hpp"
 
-#include "scan_odometry_queue.hpp"
+#include "mounted_scans.hpp"
+#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
@@ -27,14 +29,18 @@ private:
   void publish(const ram_slam::LaserOdometryEstimate& estimate);
 
   ram_slam::LaserOdometryParameters parameters_;
-  ram_slam::LaserOdometry odometry_;
-  ram_slam::StampOffset stamp_offset_;
-  ScanOdometryQueue queue_;
-  std::int64_t last_stamp_ns_ = 0;
+  ram_slam::OdometryStage stage_;
+  int reset_count_ = 0;  ///< that was logged
+  // Longer than tf's usual: a recording may be played many times faster than real time.
+  tf2_ros::Buffer transforms_{ros::Duration(60.0)};
+  tf2_ros::TransformListener listener_{transforms_};
+  MountedScans scans_;
+  DropLog drop_log_;
   ros::NodeHandle node_;
   ros::Publisher publisher_;
   ros::Subscriber scan_subscriber_;
   ros::Subscriber odometry_subscriber_;
+  StageDiagnostics diagnostics_;
 };
 
 }  // namespace ram_slam_ros

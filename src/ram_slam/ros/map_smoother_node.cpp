@@ -2,8 +2,10 @@
 #include "map_smoother_node.hpp"
 
 #include <exception>
+#include <utility>
 
 #include <nav_msgs/Path.h>
+#include <ram_slam_msgs/SmoothingStatus.h>
 
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
@@ -11,17 +13,24 @@
 namespace ram_slam_ros {
 namespace {
 
-constexpr std::uint32_t kQueueSize = 1000;  // scans go on while it optimizes
-constexpr double kWarnPeriodS = 5.0;
+constexpr std::uint32_t kQueueSize = 1000;  // scans arrive while it optimises
 
 }  // namespace
 
 MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readMapSmootherParameters(reader)),
-      smoother_(parameters_, matchers_.matchers()),
-      queue_(parameters_.base_frame, true) {
+      stage_(parameters_, matchers_.matchers()),
+      scans_(parameters_.base_frame, transforms_),
+      diagnostics_("smoothing", [this]() -> StageDiagnostics::Report {
+        return {stage_.drops(),
+                {{"key scans", static_cast<double>(stage_.smoother().keyScans().size())},
+                 {"loop closures", static_cast<double>(stage_.smoother().closures().size())},
+                 {"corrections published", correction_count_}}};
+      }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  publisher_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, true);
+  constexpr bool kLatched = true;
+  publisher_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, kLatched);
+  status_publisher_ = node_.advertise<ram_slam_msgs::SmoothingStatus>("smoothing_status", 100);
   scan_subscriber_ = node_.subscribe("scan", kQueueSize, &MapSmootherNode::onScan, this, hints);
   odometry_subscriber_ =
       node_.subscribe("odom", kQueueSize, &MapSmootherNode::onOdometry, this, hints);
@@ -31,86 +40,87 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
       private_node_.advertiseService("optimize", &MapSmootherNode::onOptimize, this);
   undo_service_ =
       private_node_.advertiseService("undo_closure", &MapSmootherNode::onUndoClosure, this);
-  ROS_INFO_STREAM("smoothing " << odometry_subscriber_.getTopic() << " by "
+  ROS_INFO_STREAM("Smoothing " << odometry_subscriber_.getTopic() << " by "
                                << scan_subscriber_.getTopic() << " into " << publisher_.getTopic());
 }
 
 void MapSmootherNode::onScan(const sensor_msgs::LaserScan& message) {
-  try {
-    queue_.addScan(message);
-  } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected a scan: " << error.what());
-  }
+  scans_.add(message, stage_.drops());
   processWaiting();
 }
 
 void MapSmootherNode::onOdometry(const nav_msgs::Odometry& message) {
+  const std::int64_t stamp_ns = toNanoseconds(message.header.stamp);
   try {
-    queue_.addOdometry(message);
+    stage_.addOdometry({stamp_ns, toPose2(message.pose.pose)});
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected odometry: " << error.what());
+    stage_.drops().add(ram_slam::DropReason::kInvalidOdometry, stamp_ns, error.what());
   }
   processWaiting();
 }
 
 void MapSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
   try {
-    smoother_.addFeatures(toFeatureList(message, parameters_.base_frame).list);
+    stage_.addFeatures(toFeatureList(message, parameters_.base_frame).list);
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected features: " << error.what());
+    stage_.drops().add(ram_slam::DropReason::kInvalidFeatures, toNanoseconds(message.header.stamp),
+                       error.what());
   }
 }
 
 void MapSmootherNode::processWaiting() {
-  while (true) {
-    try {
-      const auto next = queue_.next();
-      if (!next) return;
-      if (next->scan.stamp_ns + 1000000000 < last_stamp_ns_) {
-        ROS_WARN("time jumped back: smoothing starts anew");
-        smoother_ = ram_slam::MapSmoother(parameters_, matchers_.matchers());
-        logged_closures_ = 0;
-      }
-      smoother_.addScan(next->scan, next->base_from_laser, *next->odom_from_base);
-      last_stamp_ns_ = next->scan.stamp_ns;
-      smoother_.optimizeIfDue();
-      logNewClosures();
-      if (smoother_.hasCorrection()) publish();
-    } catch (const std::exception& error) {
-      ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "skipped a scan: " << error.what());
+  while (auto scan = scans_.next(stage_.drops())) stage_.add(std::move(*scan));
+  while (const auto step = stage_.next()) {
+    if (stage_.resetCount() != reset_count_) {
+      reset_count_ = stage_.resetCount();
+      logged_closures_ = 0;
+      ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic()
+                                       << " were set back: smoothing starts again");
     }
+    logNewClosures();
+    if (step->correction) publish(*step->correction);
+    publishStatus(step->stamp_ns);
   }
+  drop_log_.log(stage_.drops(),
+                scan_subscriber_.getTopic() + ", " + odometry_subscriber_.getTopic());
 }
 
 void MapSmootherNode::logNewClosures() {
-  for (; logged_closures_ < smoother_.closures().size(); ++logged_closures_) {
-    const ram_slam::LoopClosure& closure = smoother_.closures()[logged_closures_];
-    ROS_INFO_STREAM("closure " << logged_closures_ << ": the place of "
-                               << toTime(closure.old_stamp_ns) << " again at "
-                               << toTime(closure.new_stamp_ns) << ", correction "
-                               << closure.correction_m << " m, score " << closure.score
-                               << ", inliers " << closure.inlier_ratio
-                               << (closure.is_ambiguous ? ", open along a corridor" : ""));
+  const auto& closures = stage_.smoother().closures();
+  for (; logged_closures_ < closures.size(); ++logged_closures_) {
+    const ram_slam::LoopClosure& closure = closures[logged_closures_];
+    ROS_INFO_STREAM("Loop closure " << logged_closures_ << ": at " << toTime(closure.new_stamp_ns)
+                                    << " the robot was where it was at "
+                                    << toTime(closure.old_stamp_ns) << ", correction "
+                                    << closure.correction_m << " m, score " << closure.score
+                                    << ", inliers " << closure.inlier_ratio
+                                    << (closure.is_ambiguous ? ", open along a corridor" : ""));
   }
 }
 
-void MapSmootherNode::optimize() {
-  smoother_.optimize();
-  logNewClosures();
-  publish();
+void MapSmootherNode::publish(const ram_slam::Trajectory& smoothed) {
+  ++correction_count_;
+  publisher_.publish(toPath(smoothed, parameters_.map_frame));
 }
 
-void MapSmootherNode::publish() {
-  publisher_.publish(toPath(smoother_.takeCorrection(), parameters_.map_frame));
+void MapSmootherNode::publishStatus(std::int64_t stamp_ns) {
+  ram_slam_msgs::SmoothingStatus status;
+  status.header.stamp = toTime(stamp_ns);
+  status.header.frame_id = parameters_.map_frame;
+  status.key_scan_count = static_cast<std::uint32_t>(stage_.smoother().keyScans().size());
+  status.closure_count = static_cast<std::uint32_t>(stage_.smoother().closures().size());
+  status.correction_count = correction_count_;
+  status_publisher_.publish(status);
 }
 
 bool MapSmootherNode::onOptimize(std_srvs::Trigger::Request& /*request*/,
                                  std_srvs::Trigger::Response& response) {
   try {
-    optimize();
+    publish(stage_.optimize());
+    logNewClosures();
     response.success = true;
-    response.message = std::to_string(smoother_.keyScans().size()) + " key scans, " +
-                       std::to_string(smoother_.closures().size()) + " closures";
+    response.message = std::to_string(stage_.smoother().keyScans().size()) + " key scans, " +
+                       std::to_string(stage_.smoother().closures().size()) + " closures";
   } catch (const std::exception& error) {
     response.message = error.what();
   }
@@ -119,19 +129,15 @@ bool MapSmootherNode::onOptimize(std_srvs::Trigger::Request& /*request*/,
 
 bool MapSmootherNode::onUndoClosure(std_srvs::Trigger::Request& /*request*/,
                                     std_srvs::Trigger::Response& response) {
-  for (std::size_t i = smoother_.closures().size(); i-- > 0;) {
-    if (smoother_.closures()[i].state != ram_slam::ClosureState::kAccepted) continue;
-    try {
-      smoother_.refuseClosure(i);
-      optimize();
-      response.success = true;
-      response.message = "took back closure " + std::to_string(i);
-    } catch (const std::exception& error) {
-      response.message = error.what();
-    }
-    return true;
+  try {
+    const auto undone = stage_.undoClosure();
+    response.success = undone.has_value();
+    response.message =
+        undone ? "refused closure " + std::to_string(*undone) : "there is no accepted closure";
+    if (undone) publish(stage_.optimize());
+  } catch (const std::exception& error) {
+    response.message = error.what();
   }
-  response.message = "there is no accepted closure";
   return true;
 }
 

@@ -8,19 +8,22 @@
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <std_srvs/Trigger.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/smoothing/map_smoother.hpp"
+#include "ram_slam/stages/smoothing_stage.hpp"
 
 #include "matcher_plugins.hpp"
-#include "scan_odometry_queue.hpp"
+#include "mounted_scans.hpp"
+#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
 /// `scan` and `odom` (best from laser_odometry) in, `features` if there are any,
 /// `smoothed_trajectory` out (latched): the pose of the base at every scan, whenever a correction
 /// moved the robot and on `~optimize`. The estimator follows it. `~undo_closure` takes the newest
-/// accepted closure back.
+/// accepted closure back. `smoothing_status` follows each scan.
 class MapSmootherNode {
 public:
   /// \throws std::invalid_argument if a parameter is refused
@@ -34,23 +37,30 @@ private:
   bool onUndoClosure(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   void processWaiting();
   void logNewClosures();
-  void optimize();
-  void publish();
+  void publish(const ram_slam::Trajectory& smoothed);
+  void publishStatus(std::int64_t stamp_ns);
 
   ram_slam::MapSmootherParameters parameters_;
   MatcherPlugins matchers_;
-  ram_slam::MapSmoother smoother_;
-  ScanOdometryQueue queue_;
-  std::int64_t last_stamp_ns_ = 0;
+  ram_slam::SmoothingStage stage_;
+  int reset_count_ = 0;  ///< that was logged
   std::size_t logged_closures_ = 0;
+  std::uint32_t correction_count_ = 0;
+  // Longer than tf's usual: a recording may be played many times faster than real time.
+  tf2_ros::Buffer transforms_{ros::Duration(60.0)};
+  tf2_ros::TransformListener listener_{transforms_};
+  MountedScans scans_;
+  DropLog drop_log_;
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
   ros::Publisher publisher_;
+  ros::Publisher status_publisher_;
   ros::Subscriber scan_subscriber_;
   ros::Subscriber odometry_subscriber_;
   ros::Subscriber features_subscriber_;
   ros::ServiceServer optimize_service_;
   ros::ServiceServer undo_service_;
+  StageDiagnostics diagnostics_;
 };
 
 }  // namespace ram_slam_ros

@@ -5,18 +5,17 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <utility>
 
 #include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/occupancy/map_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
-#include "ram_slam/ros/mounting.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
 
 namespace ram_slam_ros {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 1000;
-constexpr std::int64_t kTimeJumpNs = 1000000000;
+constexpr std::size_t kMaxWaiting = 1000;  // 25 s of the fastest lidars
 constexpr double kWaitingPollS = 0.02;
 constexpr double kSilenceReportS = 5.0;
 constexpr double kWarnPeriodS = 5.0;
@@ -31,7 +30,13 @@ std::string expandHome(const std::string& path) {
 }  // namespace
 
 OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader)
-    : parameters_(ram_slam::readOccupancyMapperParameters(reader)), map_(parameters_) {
+    : parameters_(ram_slam::readOccupancyMapperParameters(reader)),
+      stage_(parameters_),
+      scans_(parameters_.base_frame, transforms_),
+      diagnostics_("mapping", [this]() -> StageDiagnostics::Report {
+        const std::lock_guard lock(map_mutex_);
+        return {stage_.drops(), {{"scans in the map", static_cast<double>(stage_.scanCount())}}};
+      }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   constexpr bool kLatched = true;
   map_publisher_ = node_.advertise<nav_msgs::OccupancyGrid>("map", 1, kLatched);
@@ -57,78 +62,65 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
                                          [this](const auto&) { mapWaiting(); });
   silence_timer_ = node_.createWallTimer(ros::WallDuration(kSilenceReportS),
                                          [this](const auto&) { reportSilence(); });
-  ROS_INFO_STREAM("mapping " << scan_subscriber_.getTopic() << " at " << parameters_.resolution
+  ROS_INFO_STREAM("Mapping " << scan_subscriber_.getTopic() << " at " << parameters_.resolution
                              << " m into " << map_publisher_.getTopic() << " in frame "
                              << parameters_.map_frame << "; corrections from "
                              << correction_subscriber_.getTopic());
 }
 
 void OccupancyMapperNode::onScan(const sensor_msgs::LaserScan& message) {
-  try {
-    ram_slam::LaserScan scan = toLaserScan(message);
+  {
     const std::lock_guard lock(map_mutex_);
     ++received_count_;
-    if (scan.stamp_ns < newest_scan_ns_ - kTimeJumpNs) {
-      ROS_WARN_STREAM("time jumped back by "
-                      << static_cast<double>(newest_scan_ns_ - scan.stamp_ns) * 1e-9
-                      << " s: the map starts anew");
-      startAnew();
-    }
-    newest_scan_ns_ = std::max(newest_scan_ns_, scan.stamp_ns);
-    waiting_.push_back({std::move(scan), message.header.frame_id, ros::SteadyTime::now()});
-  } catch (const std::exception& error) {
-    const std::lock_guard lock(map_mutex_);
-    ++received_count_;
-    last_problem_ = error.what();
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected a scan: " << error.what());
+    scans_.add(message, stage_.drops());
   }
   mapWaiting();
 }
 
 void OccupancyMapperNode::mapWaiting() {
   const std::lock_guard lock(map_mutex_);
-  while (!waiting_.empty()) {
-    const Waiting& first = waiting_.front();
-    const double waited_s = (ros::SteadyTime::now() - first.since).toSec();
-    const bool waits =
-        waited_s <= parameters_.transform_timeout_s && waiting_.size() <= kMaxWaiting;
-    const auto knows = [&](std::int64_t stamp_ns) {
-      return transforms_.canTransform(parameters_.map_frame, first.frame, toTime(stamp_ns),
-                                      ros::Duration(0.0), &last_problem_);
-    };
-    if (waits && !knows(first.scan.stamp_ns + first.scan.duration_ns())) return;
-    if (knows(first.scan.stamp_ns)) {
-      map(first.scan, first.frame);
-    } else {
-      if (waits) return;
-      ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "dropped a scan that waited "
-                                                 << waited_s
-                                                 << " s for its pose: " << last_problem_);
+  while (auto scan = scans_.next(stage_.drops())) {
+    const std::int64_t stamp_ns = scan->scan.stamp_ns;
+    if (ram_slam::ClockGuard::isSetBack(newest_scan_ns_, stamp_ns)) {
+      ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic() << " were set back by "
+                                       << 1e-9 * static_cast<double>(newest_scan_ns_ - stamp_ns)
+                                       << " s: the map starts again");
+      restart();
     }
+    newest_scan_ns_ = std::max(newest_scan_ns_, stamp_ns);
+    waiting_.push_back({std::move(*scan), ros::SteadyTime::now()});
+  }
+  while (!waiting_.empty()) {
+    const double waited_s = (ros::SteadyTime::now() - waiting_.front().since).toSec();
+    if (!map(waiting_.front().scan, waited_s)) break;
     waiting_.pop_front();
   }
+  drop_log_.log(stage_.drops(), scan_subscriber_.getTopic());
 }
 
-void OccupancyMapperNode::map(const ram_slam::LaserScan& scan, const std::string& frame) {
-  try {
-    const Mounting mounting =
-        toMounting(transforms_.lookupTransform(parameters_.base_frame, frame, toTime(scan.stamp_ns))
-                       .transform);
-    const auto counts =
-        map_.add(mounting.upside_down ? ram_slam::mirrored(scan) : scan, poseAt(scan.stamp_ns),
-                 mounting.base_from_sensor, lastBeam(scan, mounting.base_from_sensor));
-    newest_mapped_ns_ = scan.stamp_ns;
-    if (!ever_mapped_) ROS_INFO_STREAM("first scan mapped, from frame " << frame);
-    ever_mapped_ = true;
-    if (counts && counts->hit + counts->cleared == 0) {
-      ROS_WARN_STREAM_THROTTLE(
-          kWarnPeriodS, "a scan had no usable reading: " << counts->too_close << " too close, "
-                                                         << counts->invalid << " invalid");
-    }
-  } catch (const std::exception& error) {
-    last_problem_ = error.what();
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "skipped a scan: " << error.what());
+bool OccupancyMapperNode::map(const ram_slam::MountedScan& scan, double waited_s) {
+  const std::int64_t stamp_ns = scan.scan.stamp_ns;
+  const bool waits = waited_s <= parameters_.transform_timeout_s && waiting_.size() <= kMaxWaiting;
+  const auto knows = [&](std::int64_t at_ns) {
+    return transforms_.canTransform(parameters_.map_frame, parameters_.base_frame, toTime(at_ns),
+                                    ros::Duration(0.0), &last_problem_);
+  };
+  if (waits && !knows(stamp_ns + scan.scan.duration_ns())) return false;
+  if (!knows(stamp_ns)) {
+    if (waits) return false;
+    stage_.drops().add(ram_slam::DropReason::kNoPose, stamp_ns, last_problem_);
+    return true;
   }
+  try {
+    const ram_slam::Pose2 map_from_base = poseAt(stamp_ns);
+    stage_.add(scan, map_from_base, lastBeam(scan, map_from_base));
+    newest_mapped_ns_ = stamp_ns;
+    if (!ever_mapped_) ROS_INFO_STREAM("Mapped the first scan of " << scan_subscriber_.getTopic());
+    ever_mapped_ = true;
+  } catch (const std::exception& error) {
+    stage_.drops().add(ram_slam::DropReason::kNoPose, stamp_ns, error.what());
+  }
+  return true;
 }
 
 ram_slam::Pose2 OccupancyMapperNode::poseAt(std::int64_t stamp_ns) const {
@@ -137,13 +129,13 @@ ram_slam::Pose2 OccupancyMapperNode::poseAt(std::int64_t stamp_ns) const {
           .transform);
 }
 
-ram_slam::Pose2 OccupancyMapperNode::lastBeam(const ram_slam::LaserScan& scan,
-                                              const ram_slam::Pose2& base_from_laser) const {
-  const std::int64_t end_ns = scan.stamp_ns + scan.duration_ns();
+ram_slam::Pose2 OccupancyMapperNode::lastBeam(const ram_slam::MountedScan& scan,
+                                              const ram_slam::Pose2& map_from_base) const {
+  const std::int64_t end_ns = scan.scan.stamp_ns + scan.scan.duration_ns();
   if (!transforms_.canTransform(parameters_.map_frame, parameters_.base_frame, toTime(end_ns)))
     return {};
-  const ram_slam::Pose2 map_from_laser = poseAt(scan.stamp_ns) * base_from_laser;
-  return map_from_laser.inverse() * poseAt(end_ns) * base_from_laser;
+  const ram_slam::Pose2 map_from_laser = map_from_base * scan.base_from_laser;
+  return map_from_laser.inverse() * poseAt(end_ns) * scan.base_from_laser;
 }
 
 void OccupancyMapperNode::onTrajectory(const nav_msgs::Path& message) {
@@ -156,20 +148,20 @@ void OccupancyMapperNode::onTrajectory(const nav_msgs::Path& message) {
     int moved_count = 0;
     {
       const std::lock_guard lock(map_mutex_);
-      moved_count = map_.correct(trajectory);
+      moved_count = stage_.correct(trajectory);
     }
     if (moved_count == 0) return;
-    ROS_INFO_STREAM("trajectory corrected: " << moved_count << " scans moved, map redrawn");
+    ROS_INFO_STREAM("Corrected the map along " << correction_subscriber_.getTopic() << ": "
+                                               << moved_count << " scans moved");
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(
-        kWarnPeriodS, "a corrected trajectory was not followed to its end: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "Did not follow a trajectory: " << error.what());
   }
   publishMap();
 }
 
-void OccupancyMapperNode::startAnew() {
-  map_ = ram_slam::KeyScanMap(parameters_);
-  ++map_generation_;
+void OccupancyMapperNode::restart() {
+  stage_.reset();
+  scans_.clear();
   waiting_.clear();
   transforms_.clear();
   newest_scan_ns_ = 0;
@@ -177,20 +169,28 @@ void OccupancyMapperNode::startAnew() {
 
 ram_slam::GridChange OccupancyMapperNode::refreshGrid() {
   const std::lock_guard lock(map_mutex_);
-  if (grid_generation_ != map_generation_) {
+  if (grid_generation_ != stage_.resetCount()) {
     grid_ = {};
     grid_revision_ = 0;
-    grid_generation_ = map_generation_;
+    grid_generation_ = stage_.resetCount();
   }
-  const ram_slam::GridChange change = map_.mapper().refresh(grid_, grid_revision_);
-  grid_revision_ = map_.mapper().revision();
+  const ram_slam::BeamCounts drawn = stage_.draw();
+  if (drawn.hit + drawn.cleared == 0 && drawn.too_close + drawn.invalid > 0) {
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "No usable reading on "
+                                               << scan_subscriber_.getTopic() << ": "
+                                               << drawn.too_close << " too close, " << drawn.invalid
+                                               << " invalid");
+  }
+  const ram_slam::GridChange change = stage_.mapper().refresh(grid_, grid_revision_);
+  grid_revision_ = stage_.mapper().revision();
   grid_stamp_ns_ = newest_mapped_ns_;
   return change;
 }
 
 ram_slam::OccupancyGrid OccupancyMapperNode::wholeGrid() {
   const std::lock_guard lock(map_mutex_);
-  return map_.mapper().grid();
+  stage_.draw();
+  return stage_.mapper().grid();
 }
 
 void OccupancyMapperNode::publishMap() {
@@ -240,7 +240,7 @@ bool OccupancyMapperNode::onSaveMap(ram_slam_msgs::SaveMap::Request& request,
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
-    ROS_ERROR_STREAM("the map was not saved: " << error.what());
+    ROS_ERROR_STREAM("The map was not saved: " << error.what());
   }
   return true;
 }
@@ -248,9 +248,9 @@ bool OccupancyMapperNode::onSaveMap(ram_slam_msgs::SaveMap::Request& request,
 bool OccupancyMapperNode::onReset(std_srvs::Trigger::Request&,
                                   std_srvs::Trigger::Response& response) {
   const std::lock_guard lock(map_mutex_);
-  startAnew();
+  restart();
   response.success = true;
-  response.message = "the map starts anew";
+  response.message = "the map starts again";
   ROS_INFO_STREAM(response.message);
   return true;
 }
@@ -258,12 +258,12 @@ bool OccupancyMapperNode::onReset(std_srvs::Trigger::Request&,
 void OccupancyMapperNode::reportSilence() {
   const std::lock_guard lock(map_mutex_);
   if (received_count_ == 0) {
-    ROS_WARN_STREAM_THROTTLE(6 * kSilenceReportS, "no scan on " << scan_subscriber_.getTopic()
+    ROS_WARN_STREAM_THROTTLE(6 * kSilenceReportS, "No scan on " << scan_subscriber_.getTopic()
                                                                 << " for " << kSilenceReportS
                                                                 << " s");
   } else if (!ever_mapped_) {
     ROS_WARN_STREAM_THROTTLE(6 * kSilenceReportS,
-                             "scans arrive, but none could be mapped: " << last_problem_);
+                             "Scans arrive, but none could be mapped: " << last_problem_);
   }
   received_count_ = 0;
 }

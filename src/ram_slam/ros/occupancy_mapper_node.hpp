@@ -18,8 +18,10 @@
 #include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
-#include "ram_slam/occupancy/key_scan_map.hpp"
-#include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
+#include "ram_slam/stages/mapping_stage.hpp"
+
+#include "mounted_scans.hpp"
+#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
@@ -42,18 +44,18 @@ private:
                  ram_slam_msgs::SaveMap::Response& response);
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
-  /// Maps the waiting scans whose poses are known; drops those that waited too long.
+  /// Hands waiting scans on to the stage whose poses are known; drops those that waited too long.
   void mapWaiting();
-  /// Of the base in the map.
+  /// The caller holds map_mutex_. \return false if the scan still waits for its pose
+  bool map(const ram_slam::MountedScan& scan, double waited_s);
+  /// Of the base in the map. \throws tf2::TransformException
   ram_slam::Pose2 poseAt(std::int64_t stamp_ns) const;
   /// The laser's pose at its last beam, seen from that at its first; the identity if tf does not
   /// reach so far.
-  ram_slam::Pose2 lastBeam(const ram_slam::LaserScan& scan,
-                           const ram_slam::Pose2& base_from_laser) const;
-  /// The caller holds map_mutex_.
-  void map(const ram_slam::LaserScan& scan, const std::string& frame);
-  /// Forgets the map, waiting scans and transforms; the caller holds map_mutex_.
-  void startAnew();
+  ram_slam::Pose2 lastBeam(const ram_slam::MountedScan& scan,
+                           const ram_slam::Pose2& map_from_base) const;
+  /// Begins with an empty map; the caller holds map_mutex_.
+  void restart();
   void publishMap();
   void publishUpdate();
   void reportSilence();
@@ -66,8 +68,7 @@ private:
   ros::NodeHandle private_node_{"~"};
   /// A scan whose pose is not known yet.
   struct Waiting {
-    ram_slam::LaserScan scan;
-    std::string frame;
+    ram_slam::MountedScan scan;
     ros::SteadyTime since;
   };
 
@@ -76,19 +77,20 @@ private:
   tf2_ros::TransformListener transform_listener_{transforms_};
 
   std::mutex map_mutex_;  ///< of the members up to the next blank line
-  ram_slam::KeyScanMap map_;
-  int map_generation_ = 0;  ///< how often it started anew
+  ram_slam::MappingStage stage_;
+  MountedScans scans_;
   std::deque<Waiting> waiting_;
   std::int64_t newest_scan_ns_ = 0;
   std::atomic<std::int64_t> newest_mapped_ns_ = 0;
   int received_count_ = 0;  ///< since the last report of silence
   bool ever_mapped_ = false;
   std::string last_problem_ = "no transform yet";
+  DropLog drop_log_;
 
   std::mutex
       publish_mutex_;  ///< of the members up to the next blank line; locked before map_mutex_
   ram_slam::OccupancyGrid grid_;
-  int grid_generation_ = 0;
+  int grid_generation_ = 0;  ///< resets of the stage that it has followed
   std::uint64_t grid_revision_ = 0;
   std::int64_t grid_stamp_ns_ = 0;
 
@@ -107,6 +109,7 @@ private:
   ros::Timer update_timer_;
   ros::WallTimer waiting_timer_;
   ros::WallTimer silence_timer_;
+  StageDiagnostics diagnostics_;
 };
 
 }  // namespace ram_slam_ros

@@ -80,6 +80,7 @@ void SlamPipeline::add(const ram_slam::StampedPose2& odometry) {
 }
 
 void SlamPipeline::add(ram_slam::MountedScan scan) {
+  if (smooths()) smoothing_.add(scan);
   odometry_.add(std::move(scan));
   drain();
 }
@@ -114,7 +115,6 @@ void SlamPipeline::process(const ram_slam::OdometryStep& step) {
 }
 
 void SlamPipeline::smooth(const ram_slam::OdometryStep& step) {
-  smoothing_.add(step.scan);
   smoothing_.addOdometry({step.scan.scan.stamp_ns, step.estimate.odom_from_base.pose});
   while (auto smoothed = smoothing_.next())
     if (smoothed->correction) estimator_.addCorrection(std::move(*smoothed->correction));

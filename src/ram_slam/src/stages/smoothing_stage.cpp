@@ -51,7 +51,6 @@ std::optional<std::size_t> SmoothingStage::undoClosure() {
   for (std::size_t i = smoother_.closures().size(); i-- > 0;) {
     if (smoother_.closures()[i].state != ClosureState::kAccepted) continue;
     smoother_.refuseClosure(i);
-    smoother_.optimize();
     return i;
   }
   return std::nullopt;

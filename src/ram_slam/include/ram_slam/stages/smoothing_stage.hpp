@@ -34,7 +34,7 @@ public:
   std::optional<SmoothingStep> next();
   /// Optimises everything now. \return the trajectory
   Trajectory optimize();
-  /// Refuses the newest accepted closure and optimises.
+  /// Refuses the newest accepted closure; optimize() then makes the trajectory without it.
   /// \return its index; nothing, and nothing changes, if there is none
   std::optional<std::size_t> undoClosure();
 

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+
+#include <ros/ros.h>
+#include <sensor_msgs/LaserScan.h>
+#include <tf2_ros/buffer.h>
+
+#include "ram_slam/stages/scan_synchroniser.hpp"
+
+namespace ram_slam_ros {
+
+/// Turns scan messages into scans with the laser's mount, which tf knows sooner or later. Scans of
+/// a sensor mounted upside down are mirrored. What cannot be used is counted.
+class MountedScans {
+public:
+  /// \param transforms  outlives this
+  MountedScans(std::string base_frame, const tf2_ros::Buffer& transforms)
+      : base_frame_(std::move(base_frame)), transforms_(transforms) {}
+
+  void add(const sensor_msgs::LaserScan& message, ram_slam::DropCounter& drops);
+  /// The next scan whose mount is known; nothing if it still waits. A scan that waited for a second
+  /// of wall time is dropped.
+  std::optional<ram_slam::MountedScan> next(ram_slam::DropCounter& drops);
+  void clear() { waiting_.clear(); }
+
+private:
+  struct Waiting {
+    ram_slam::LaserScan scan;
+    std::string frame;
+    ros::SteadyTime since;
+  };
+
+  std::string base_frame_;
+  const tf2_ros::Buffer& transforms_;
+  std::deque<Waiting> waiting_;
+};
+
+}  // namespace ram_slam_ros

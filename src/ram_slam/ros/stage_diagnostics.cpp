@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stage_diagnostics.hpp"
+
+#include <cstdio>
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+
+namespace ram_slam_ros {
+namespace {
+
+constexpr double kPeriodS = 1.0;  // REP 107: diagnostics at 1 Hz
+constexpr double kLogPeriodS = 5.0;
+
+std::string seconds(std::int64_t stamp_ns) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3f s", 1e-9 * static_cast<double>(stamp_ns));
+  return text;
+}
+
+void addValue(diagnostic_msgs::DiagnosticStatus& status,
+              const std::string& key,
+              const std::string& value) {
+  diagnostic_msgs::KeyValue entry;
+  entry.key = key;
+  entry.value = value;
+  status.values.push_back(entry);
+}
+
+}  // namespace
+
+void addDrops(diagnostic_msgs::DiagnosticStatus& status, const ram_slam::DropCounter& drops) {
+  for (const ram_slam::Drops& row : drops.all()) {
+    addValue(status, "dropped: " + toText(row.reason),
+             std::to_string(row.count) + ", first at " + seconds(row.first_ns) + ", last at " +
+                 seconds(row.last_ns) + (row.detail.empty() ? "" : ": " + row.detail));
+  }
+}
+
+void DropLog::log(const ram_slam::DropCounter& drops, const std::string& input) {
+  if (drops.total() == logged_) return;
+  const std::uint64_t count = drops.total() - logged_;
+  logged_ = drops.total();
+  const ram_slam::Drops& newest = drops.newest();
+  ROS_WARN_STREAM_THROTTLE(
+      kLogPeriodS, "Dropped " << count << (count == 1 ? " message" : " messages") << " of " << input
+                              << ", the newest of " << seconds(newest.last_ns) << ": "
+                              << toText(newest.reason)
+                              << (newest.detail.empty() ? "" : " (" + newest.detail + ")"));
+}
+
+StageDiagnostics::StageDiagnostics(std::string stage, std::function<Report()> report)
+    : stage_(std::move(stage)), report_(std::move(report)) {
+  publisher_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
+  timer_ = node_.createWallTimer(ros::WallDuration(kPeriodS), [this](const auto&) { publish(); });
+}
+
+void StageDiagnostics::publish() {
+  const Report report = report_();
+  diagnostic_msgs::DiagnosticStatus status;
+  status.name = ros::this_node::getName() + ": " + stage_;
+  status.hardware_id = "none";
+  const bool is_dropping = report.drops.total() != reported_drops_;
+  status.level =
+      is_dropping ? diagnostic_msgs::DiagnosticStatus::WARN : diagnostic_msgs::DiagnosticStatus::OK;
+  status.message = is_dropping ? "messages dropped: " + toText(report.drops.newest().reason)
+                               : "no message dropped";
+  reported_drops_ = report.drops.total();
+  for (const auto& [key, value] : report.values) addValue(status, key, std::to_string(value));
+  addDrops(status, report.drops);
+  diagnostic_msgs::DiagnosticArray message;
+  message.header.stamp = ros::Time::now();
+  message.status.push_back(status);
+  publisher_.publish(message);
+}
+
+}  // namespace ram_slam_ros
