@@ -49,6 +49,12 @@ WALLS = (box(-6.5, -5.0, 6.5, 5.0) + box(-2.8, -1.2, 2.8, 1.2) + box(5.6, 1.0, 6
          + box(-1.0, 4.2, 0.3, 5.0) + box(2.0, -5.0, 2.9, -4.1))
 
 
+def stamp_at(time_s):
+    """Of whole microseconds."""
+    stamp_us = round(1e6 * (START_S + time_s))
+    return rospy.Time(stamp_us // 1000000, 1000 * (stamp_us % 1000000))
+
+
 def true_pose(time_s):
     angle = TURN_RATE * time_s
     heading = math.atan2(RADII_M[1] * math.cos(angle), -RADII_M[0] * math.sin(angle))
@@ -75,7 +81,7 @@ def scan_at(time_s, noise):
     x, y, yaw = true_pose(time_s)
     x, y = x + MOUNT_X_M * math.cos(yaw), y + MOUNT_X_M * math.sin(yaw)
     scan = LaserScan()
-    scan.header.stamp = rospy.Time.from_sec(START_S + time_s)
+    scan.header.stamp = stamp_at(time_s)
     scan.header.frame_id = "laser"
     scan.angle_min = -0.5 * FIELD_OF_VIEW
     scan.angle_max = 0.5 * FIELD_OF_VIEW
@@ -100,7 +106,7 @@ def odometry_messages():
         yaw += 0.5 * turn + 0.002 * step
         before = now
         message = Odometry()
-        message.header.stamp = rospy.Time.from_sec(START_S + i * ODOMETRY_PERIOD_S)
+        message.header.stamp = stamp_at(i * ODOMETRY_PERIOD_S)
         message.header.frame_id = "odom"
         message.child_frame_id = "base_link"
         message.pose.pose.position.x, message.pose.pose.position.y = x, y
@@ -121,7 +127,7 @@ def recording():
 
 def mount():
     transform = TransformStamped()
-    transform.header.stamp = rospy.Time.from_sec(START_S)
+    transform.header.stamp = stamp_at(0.0)
     transform.header.frame_id, transform.child_frame_id = "base_link", "laser"
     transform.transform.translation.x = MOUNT_X_M
     transform.transform.rotation.w = 1.0
