@@ -13,26 +13,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-#include "ram_parameters/require.hpp"
 #include "ram_slam/landmarks/feature.hpp"
 
 namespace ram_slam {
 namespace {
-
-constexpr std::size_t kMostPutatives = 2000;  // pairs of points that may be the same
-constexpr std::size_t kMostVotes = 200000;    // poses that two of these pairs give
-constexpr std::size_t kMostScored = 150;      // poses that are looked at closely
-constexpr int kRefinements = 4;
-constexpr double kGate = 9.21;  // 99 % of chi2 with 2 degrees of freedom
-constexpr double kRigiditySigmas = 3.0;
-constexpr double kVoteCell_m = 0.5;
-constexpr double kVoteCell_rad = 0.15;
-// Orientations: of things as they are, beyond what detectors state; share that is plainly wrong.
-constexpr double kOrientationSigma_rad = 0.07;
-constexpr double kWrongOrientations = 0.1;
-constexpr double kVoteBase = 1.5;  // [nat] a pair of pairs is worth this before its looks
-
-using ram_parameters::require;
 
 void requireFinite(const Constellation& constellation) {
   for (const ConstellationPoint& point : constellation) {
@@ -64,7 +48,11 @@ public:
           const Constellation& source,
           const FeatureMatchers& matchers,
           const ConstellationParameters& parameters)
-      : target_(target), source_(source), parameters_(parameters), likeness_(source.size()) {
+      : target_(target),
+        source_(source),
+        parameters_(parameters),
+        search_(parameters.search),
+        likeness_(source.size()) {
     for (std::size_t s = 0; s < source.size(); ++s) {
       likeness_[s].reserve(target.size());
       for (const ConstellationPoint& other : target)
@@ -80,7 +68,7 @@ public:
 
   PoseHypothesis refined(const Pose2& pose) const {
     PoseHypothesis best = scored(pose);
-    for (int i = 0; i < kRefinements && best.pairs.size() >= 2; ++i) {
+    for (int i = 0; i < search_.refinements && best.pairs.size() >= 2; ++i) {
       PoseHypothesis next = scored(fitted(best));
       if (next.score <= best.score) break;
       best = std::move(next);
@@ -99,9 +87,9 @@ private:
     const auto matcher = matchers.find(a.type);
     if (matcher == matchers.end()) return 0.0;
     double best = kImpossible;
-    for (const DescriptorPointer& view : b.views) {
-      if (view == nullptr || a.views.empty()) continue;
-      best = std::max(best, logLikelihoodRatio(matcher->second.get(), view, a.views));
+    for (const DescriptorPointer& descriptor : b.descriptors) {
+      if (descriptor == nullptr || a.descriptors.empty()) continue;
+      best = std::max(best, logLikelihoodRatio(matcher->second.get(), descriptor, a.descriptors));
     }
     return best == kImpossible ? 0.0 : best;
   }
@@ -116,7 +104,8 @@ private:
     }
     std::stable_sort(all.begin(), all.end(),
                      [](const auto& a, const auto& b) { return a.likeness > b.likeness; });
-    if (all.size() > kMostPutatives) all.resize(kMostPutatives);
+    const auto max_count = static_cast<std::size_t>(search_.max_putatives);
+    if (all.size() > max_count) all.resize(max_count);
     return all;
   }
 
@@ -124,7 +113,7 @@ private:
     std::vector<Vote> all;
     for (std::size_t b = 1; b < putatives.size(); ++b) {
       for (std::size_t a = 0; a < b; ++a) {
-        if (all.size() >= kMostVotes) return all;
+        if (static_cast<int>(all.size()) >= search_.max_votes) return all;
         if (agree(putatives[a], putatives[b])) all.push_back(vote(putatives[a], putatives[b]));
       }
     }
@@ -143,15 +132,16 @@ private:
                target_[a.target].covariance_m2 + target_[b.target].covariance_m2)
                   .trace();
     const double difference_m = in_source_m - in_target_m;
-    return difference_m * difference_m < kRigiditySigmas * kRigiditySigmas * variance_m2;
+    return difference_m * difference_m <
+           search_.rigidity_sigmas * search_.rigidity_sigmas * variance_m2;
   }
 
   double orientationEvidence(double yaw_rad, std::size_t t, std::size_t s) const {
     const double variance_rad2 = target_[t].orientation_variance_rad2 +
                                  source_[s].orientation_variance_rad2 +
-                                 kOrientationSigma_rad * kOrientationSigma_rad;
+                                 search_.orientation_sigma_rad * search_.orientation_sigma_rad;
     return orientationLogRatio(yaw_rad + source_[s].orientation_rad - target_[t].orientation_rad,
-                               variance_rad2, kWrongOrientations);
+                               variance_rad2, search_.wrong_orientations);
   }
 
   Vote vote(const Putative& a, const Putative& b) const {
@@ -161,15 +151,17 @@ private:
                     {source_[a.source].position_m, source_[b.source].position_m}, {1.0, 1.0});
     const Pose2& pose = result.target_from_source;
     const Eigen::Vector2d middle_m = pose * middle();
-    const auto cells = static_cast<std::int64_t>(std::ceil(2.0 * M_PI / kVoteCell_rad));
+    const auto cells = static_cast<std::int64_t>(std::ceil(2.0 * M_PI / search_.vote_cell_rad));
     const auto turn = static_cast<std::int64_t>(
         std::floor((pose.yaw_rad + M_PI) / (2.0 * M_PI) * static_cast<double>(cells)));
-    result.cell = {static_cast<std::int64_t>(std::floor(middle_m.x() / kVoteCell_m)),
-                   static_cast<std::int64_t>(std::floor(middle_m.y() / kVoteCell_m)), turn % cells};
+    result.cell = {static_cast<std::int64_t>(std::floor(middle_m.x() / search_.vote_cell_m)),
+                   static_cast<std::int64_t>(std::floor(middle_m.y() / search_.vote_cell_m)),
+                   turn % cells};
     result.baseline_m = (source_[a.source].position_m - source_[b.source].position_m).norm();
-    result.weight = std::max(0.1, kVoteBase + a.likeness + b.likeness +
-                                      orientationEvidence(pose.yaw_rad, a.target, a.source) +
-                                      orientationEvidence(pose.yaw_rad, b.target, b.source));
+    result.weight =
+        std::max(search_.min_vote, search_.vote_base + a.likeness + b.likeness +
+                                       orientationEvidence(pose.yaw_rad, a.target, a.source) +
+                                       orientationEvidence(pose.yaw_rad, b.target, b.source));
     return result;
   }
 
@@ -180,7 +172,7 @@ private:
   }
 
   /// Of each cell the pose with the longest baseline; the cells with the most votes first.
-  static std::vector<Pose2> candidates(std::vector<Vote> votes) {
+  std::vector<Pose2> candidates(std::vector<Vote> votes) const {
     std::stable_sort(votes.begin(), votes.end(),
                      [](const Vote& a, const Vote& b) { return a.cell < b.cell; });
     std::vector<Vote> best;
@@ -195,7 +187,8 @@ private:
     }
     std::stable_sort(best.begin(), best.end(),
                      [](const Vote& a, const Vote& b) { return a.weight > b.weight; });
-    if (best.size() > kMostScored) best.resize(kMostScored);
+    const auto max_count = static_cast<std::size_t>(search_.max_scored);
+    if (best.size() > max_count) best.resize(max_count);
     std::vector<Pose2> poses;
     for (const Vote& vote : best) poses.push_back(vote.target_from_source);
     return poses;
@@ -220,10 +213,11 @@ private:
       for (std::size_t t = 0; t < target_.size(); ++t) {
         if (likeness_[s][t] == kImpossible) continue;
         const Eigen::Vector2d difference_m = target_[t].position_m - place_m;
-        if (difference_m.squaredNorm() > kFarthestPartner_m * kFarthestPartner_m) continue;
+        if (difference_m.squaredNorm() > search_.max_pair_distance_m * search_.max_pair_distance_m)
+          continue;
         const Eigen::Matrix2d covariance_m2 = covarianceOf(pose, t, s);
         const double squared = difference_m.dot(covariance_m2.inverse() * difference_m);
-        if (!(squared < kGate)) continue;
+        if (!(squared < search_.pair_gate)) continue;
         const double score =
             -0.5 * squared - std::log(2.0 * M_PI * std::sqrt(covariance_m2.determinant())) +
             likeness_[s][t] + orientationEvidence(pose.yaw_rad, t, s) -
@@ -292,32 +286,14 @@ private:
     return kept;
   }
 
-  static constexpr double kFarthestPartner_m = 2.0;
-
   const Constellation& target_;
   const Constellation& source_;
   const ConstellationParameters& parameters_;
+  const ConstellationParameters::Search& search_;
   std::vector<std::vector<double>> likeness_;  ///< by source, then target
 };
 
 }  // namespace
-
-void ConstellationParameters::validate() const {
-  require(position_sigma > 0.0, "position_sigma", position_sigma, "> 0");
-  require(minimum_baseline > 0.0, "minimum_baseline", minimum_baseline, "> 0");
-  require(std::isfinite(minimum_likeness), "minimum_likeness", minimum_likeness, "finite");
-  require(unknown_feature_density > 0.0, "unknown_feature_density", unknown_feature_density, "> 0");
-  require(0.0 < expected_overlap && expected_overlap < 1.0, "expected_overlap", expected_overlap,
-          "in (0, 1)");
-  require(most_hypotheses >= 2, "most_hypotheses", most_hypotheses, ">= 2");
-  require(distinct_distance > 0.0, "distinct_distance", distinct_distance, "> 0");
-  require(distinct_angle > 0.0, "distinct_angle", distinct_angle, "> 0");
-  require(minimum_pairs >= 2, "minimum_pairs", minimum_pairs, ">= 2");
-  require(minimum_score >= 0.0, "minimum_score", minimum_score, ">= 0");
-  require(minimum_lead >= 0.0, "minimum_lead", minimum_lead, ">= 0");
-  require(0.0 <= minimum_overlap && minimum_overlap <= 1.0, "minimum_overlap", minimum_overlap,
-          "in [0, 1]");
-}
 
 Pose2 alignPoints(const std::vector<Eigen::Vector2d>& targets_m,
                   const std::vector<Eigen::Vector2d>& sources_m,
@@ -375,10 +351,9 @@ double chanceScore(const Constellation& target, const ConstellationParameters& p
   if (target.empty()) return 0.0;
   Eigen::AlignedBox2d bounds_m;
   for (const ConstellationPoint& point : target) bounds_m.extend(point.position_m);
-  const double cell_m = 4.0 * parameters.position_sigma;
+  const double cell_m = parameters.search.chance_cell_sigmas * parameters.position_sigma;
   const Eigen::Vector2d cells = (bounds_m.sizes().array() / cell_m + 1.0).matrix();
-  // A turn that moves a point 5 m away by one cell.
-  const double turns = 2.0 * M_PI / (cell_m / 5.0);
+  const double turns = 2.0 * M_PI / (cell_m / parameters.search.chance_arm_m);
   return std::log(cells.prod() * turns);
 }
 

@@ -5,25 +5,50 @@
 #include <cmath>
 #include <utility>
 
+#include "ram_slam/geometry/motion_gate.hpp"
+#include "ram_slam/tracking/duration.hpp"
+
 namespace ram_slam {
-namespace {
 
-constexpr std::int64_t kViewEveryNs = 90'000'000;
-constexpr std::int64_t kOldestReferenceNs = 1'000'000'000;
-constexpr std::int64_t kNewestReferenceNs = 450'000'000;
-constexpr std::int64_t kContradictingForNs = 200'000'000;
-// A smaller contradiction makes suspicious: then less evidence from the map is needed for a while.
-constexpr double kSuspicious = 0.25;
-// That much is enough if it came from one view to the next: people need longer to change as much.
-constexpr double kSharp = 0.5;
-constexpr std::int64_t kSuspiciousForNs = 2'000'000'000;
-// Of a disturbance that is over.
-constexpr double kAgreeingShare = 0.03;
-constexpr std::int64_t kAgreeingForNs = 300'000'000;
-constexpr double kDisturbedWithin_m = 1.0;
-constexpr double kDisturbedWithin_rad = 0.5;
+const ram_parameters::ParameterTable<DiscontinuityParameters>& DiscontinuityParameters::table() {
+  using P = DiscontinuityParameters;
+  using namespace ram_parameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("view_period_s", &P::view_period_s, "s", atLeast(0.0),
+               "Least time between two views that are kept to be compared with.")
+          .add("oldest_reference_s", &P::oldest_reference_s, "s", positive(),
+               "A view is compared with views at most this old ...")
+          .add("newest_reference_s", &P::newest_reference_s, "s", atLeast(0.0),
+               "... and at least this old.")
+          .rule(&P::newest_reference_s, "<= oldest_reference_s",
+                [](const P& p) { return p.newest_reference_s <= p.oldest_reference_s; })
+          .add("contradicting_s", &P::contradicting_s, "s", atLeast(0.0),
+               "All views have to contradict those before for so long.")
+          .add("suspicious_share", &P::suspicious_share, "", within(0.0, 1.0),
+               "A contradiction above this share of the threshold is suspicious: less evidence "
+               "from the map is needed for a while.")
+          .add("sharp_share", &P::sharp_share, "", within(0.0, 1.0),
+               "This share of the threshold is enough if the contradiction came from one view to "
+               "the next: people need longer to change as much.")
+          .add("suspicious_s", &P::suspicious_s, "s", atLeast(0.0), "How long a suspicion lasts.");
+  return table;
+}
 
-}  // namespace
+const ram_parameters::ParameterTable<DisturbanceParameters>& DisturbanceParameters::table() {
+  using P = DisturbanceParameters;
+  using namespace ram_parameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("agreeing_ratio", &P::agreeing_ratio, "", within(0.0, 1.0),
+               "A disturbance is over when the view from before is contradicted in no more than "
+               "this share ...")
+          .add("agreeing_s", &P::agreeing_s, "s", atLeast(0.0), "... for so long ...")
+          .add("range_m", &P::range_m, "m", atLeast(0.0),
+               "... and the robot has not moved by more than this ...")
+          .add("range_rad", &P::range_rad, "rad", atLeast(0.0), "... or turned by more than this.");
+  return table;
+}
 
 std::optional<double> discontinuity(const TrackedView& before, const TrackedView& now) {
   return discontinuity(*before.view, *now.view,
@@ -32,8 +57,8 @@ std::optional<double> discontinuity(const TrackedView& before, const TrackedView
 
 DiscontinuityDetector::Finding DiscontinuityDetector::compare(const TrackedView& now) {
   if (now.view == nullptr) return Finding::kNothing;
-  const std::optional<double> share = leastContradiction(now);
-  if (!share || *share <= kSuspicious * threshold_) {
+  const std::optional<double> ratio = leastContradictionRatio(now);
+  if (!ratio || *ratio <= parameters_.suspicious_share * threshold_ratio_) {
     contradicting_since_ns_ = 0;
     return Finding::kNothing;
   }
@@ -41,36 +66,42 @@ DiscontinuityDetector::Finding DiscontinuityDetector::compare(const TrackedView&
     contradicting_since_ns_ = now.stamp_ns;
     contradicts_at_once_ = contradictsViewBefore(now);
   }
-  if (now.stamp_ns < contradicting_since_ns_ + kContradictingForNs) return Finding::kNothing;
-  if (*share > (contradicts_at_once_ ? kSharp : 1.0) * threshold_) return Finding::kCarriedAway;
+  if (now.stamp_ns < contradicting_since_ns_ + toNanoseconds(parameters_.contradicting_s))
+    return Finding::kNothing;
+  if (*ratio > (contradicts_at_once_ ? parameters_.sharp_share : 1.0) * threshold_ratio_)
+    return Finding::kCarriedAway;
   const bool was_suspicious = suspicious(now.stamp_ns);
-  suspicious_until_ns_ = now.stamp_ns + kSuspiciousForNs;
+  suspicious_until_ns_ = now.stamp_ns + toNanoseconds(parameters_.suspicious_s);
   return was_suspicious ? Finding::kNothing : Finding::kSuspicious;
 }
 
-std::optional<double> DiscontinuityDetector::leastContradiction(const TrackedView& now) const {
+std::optional<double> DiscontinuityDetector::leastContradictionRatio(const TrackedView& now) const {
+  const std::int64_t newest_ns = now.stamp_ns - toNanoseconds(parameters_.newest_reference_s);
+  const std::int64_t oldest_ns = now.stamp_ns - toNanoseconds(parameters_.oldest_reference_s);
   std::optional<double> least;
   for (const TrackedView& then : views_) {
-    if (then.stamp_ns > now.stamp_ns - kNewestReferenceNs) break;
-    if (then.stamp_ns < now.stamp_ns - kOldestReferenceNs) continue;
-    const auto share = discontinuity(then, now);
-    if (share) least = std::min(*share, least.value_or(1.0));
-    if (least && *least <= kSuspicious * threshold_) break;
+    if (then.stamp_ns > newest_ns) break;
+    if (then.stamp_ns < oldest_ns) continue;
+    const auto ratio = discontinuity(then, now);
+    if (ratio) least = std::min(*ratio, least.value_or(1.0));
+    if (least && *least <= parameters_.suspicious_share * threshold_ratio_) break;
   }
   return least;
 }
 
 bool DiscontinuityDetector::contradictsViewBefore(const TrackedView& now) const {
   if (views_.empty()) return false;
-  const auto share = discontinuity(views_.back(), now);
-  return share && *share > kSharp * threshold_;
+  const auto ratio = discontinuity(views_.back(), now);
+  return ratio && *ratio > parameters_.sharp_share * threshold_ratio_;
 }
 
 void DiscontinuityDetector::add(TrackedView view) {
   if (view.view == nullptr) return;
-  if (!views_.empty() && view.stamp_ns < views_.back().stamp_ns + kViewEveryNs) return;
-  while (!views_.empty() && views_.front().stamp_ns < view.stamp_ns - kOldestReferenceNs)
-    views_.pop_front();
+  if (!views_.empty() &&
+      view.stamp_ns < views_.back().stamp_ns + toNanoseconds(parameters_.view_period_s))
+    return;
+  const std::int64_t oldest_ns = view.stamp_ns - toNanoseconds(parameters_.oldest_reference_s);
+  while (!views_.empty() && views_.front().stamp_ns < oldest_ns) views_.pop_front();
   views_.push_back(std::move(view));
 }
 
@@ -80,22 +111,16 @@ void DiscontinuityDetector::clear() {
   suspicious_until_ns_ = 0;
 }
 
-void DisturbanceDetector::start(std::optional<TrackedView> before, std::int64_t now_ns) {
-  before_ = std::move(before);
-  agreeing_since_ns_ = now_ns;
-}
-
 bool DisturbanceDetector::isOver(const TrackedView& now) {
   if (!before_ || now.view == nullptr) return false;
   const Pose2 moved = before_->local_from_base.inverse() * now.local_from_base;
-  if (moved.translation().norm() > kDisturbedWithin_m ||
-      std::abs(moved.yaw_rad) > kDisturbedWithin_rad) {
+  if (MotionGate{parameters_.range_m, parameters_.range_rad}.isExceededBy(moved)) {
     before_.reset();
     return false;
   }
-  const auto share = discontinuity(*before_, now);
-  if (!share || *share > kAgreeingShare) agreeing_since_ns_ = now.stamp_ns;
-  return now.stamp_ns >= agreeing_since_ns_ + kAgreeingForNs;
+  const auto ratio = discontinuity(*before_, now);
+  if (!ratio || *ratio > parameters_.agreeing_ratio) agreeing_since_ns_ = now.stamp_ns;
+  return now.stamp_ns >= agreeing_since_ns_ + toNanoseconds(parameters_.agreeing_s);
 }
 
 }  // namespace ram_slam

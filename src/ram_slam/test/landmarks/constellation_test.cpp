@@ -11,7 +11,6 @@
 #include <gmock/gmock.h>
 
 #include "ram_slam/geometry/random.hpp"
-#include "ram_slam/tracking/local_constellation.hpp"
 
 namespace ram_slam {
 namespace {
@@ -52,7 +51,7 @@ const PoseHypothesis* accepted(const std::vector<PoseHypothesis>& hypotheses,
   return uniqueHypothesis(hypotheses, seen.size(), chanceScore(map, parameters), parameters);
 }
 
-/// The classifier is a number; equal numbers look alike, different ones do not.
+/// The classifier is a number; equal numbers are alike, different ones are not.
 class NumberMatcher : public FeatureMatcher {
 public:
   struct Number : Descriptor {
@@ -82,7 +81,7 @@ TEST(AlignPoints, RefusesOnePair) {
   EXPECT_THROW(alignPoints({{0.0, 0.0}}, {{0.0, 0.0}}, {1.0}), std::invalid_argument);
 }
 
-TEST(LayOver, FindsExactPointsAmongAsManyOthers) {
+TEST(MatchConstellations, FindsExactPointsAmongAsManyOthers) {
   const ConstellationParameters parameters;
   const Constellation map = scattered(60, 30.0, 1);
   const Pose2 truth{14.0, 17.0, -2.0};
@@ -100,7 +99,7 @@ TEST(LayOver, FindsExactPointsAmongAsManyOthers) {
   EXPECT_LT(std::abs(error.yaw_rad), 0.02);
 }
 
-TEST(LayOver, GivesTheExactPoseForExactPoints) {
+TEST(MatchConstellations, GivesTheExactPoseForExactPoints) {
   const ConstellationParameters parameters;
   const Constellation map = scattered(60, 30.0, 1);
   const Pose2 truth{14.0, 17.0, -2.0};
@@ -114,7 +113,7 @@ TEST(LayOver, GivesTheExactPoseForExactPoints) {
   EXPECT_NEAR(error.yaw_rad, 0.0, kRounding);
 }
 
-TEST(LayOver, StatesACovarianceThatItsErrorsHave) {
+TEST(MatchConstellations, StatesACovarianceThatItsErrorsHave) {
   const ConstellationParameters parameters;
   const Constellation map = scattered(60, 30.0, 1);
   const Pose2 truth{14.0, 17.0, 1.0};
@@ -135,7 +134,7 @@ TEST(LayOver, StatesACovarianceThatItsErrorsHave) {
   EXPECT_NEAR(sum / kRuns, 3.0, 0.7);
 }
 
-TEST(LayOver, NeverFindsAnUnrelatedMap) {
+TEST(MatchConstellations, NeverFindsAnUnrelatedMap) {
   const ConstellationParameters parameters;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const Constellation map = scattered(80, 40.0, 2 * seed);
@@ -145,7 +144,7 @@ TEST(LayOver, NeverFindsAnUnrelatedMap) {
   }
 }
 
-TEST(LayOver, NeverFindsAMirrorImage) {
+TEST(MatchConstellations, NeverFindsAMirrorImage) {
   const ConstellationParameters parameters;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const Constellation map = scattered(60, 30.0, 100 + seed);
@@ -156,7 +155,7 @@ TEST(LayOver, NeverFindsAMirrorImage) {
   }
 }
 
-TEST(LayOver, DoesNotChooseBetweenTwoEqualPlaces) {
+TEST(MatchConstellations, DoesNotChooseBetweenTwoEqualPlaces) {
   const ConstellationParameters parameters;
   Constellation map = scattered(12, 10.0, 5);
   const Constellation seen = map;
@@ -170,16 +169,16 @@ TEST(LayOver, DoesNotChooseBetweenTwoEqualPlaces) {
   EXPECT_EQ(accepted(hypotheses, map, seen, parameters), nullptr);
 }
 
-TEST(LayOver, ChoosesBetweenTwoEqualPlacesByLooks) {
+TEST(MatchConstellations, ChoosesBetweenTwoEqualPlacesByAppearance) {
   const ConstellationParameters parameters;
   const FeatureMatchers matchers{{"pole", std::make_shared<const NumberMatcher>()}};
   Constellation map = scattered(12, 10.0, 5);
-  for (ConstellationPoint& point : map) point.views = {matchers.at("pole")->parse("1")};
+  for (ConstellationPoint& point : map) point.descriptors = {matchers.at("pole")->parse("1")};
   const Constellation seen = map;
   for (std::size_t i = 0; i < 12; ++i) {
     map.push_back(map[i]);
     map.back().position_m.x() += 20.0;
-    map.back().views = {matchers.at("pole")->parse("2")};
+    map.back().descriptors = {matchers.at("pole")->parse("2")};
   }
   const auto hypotheses = matchConstellations(map, seen, matchers, parameters);
   const PoseHypothesis* best = accepted(hypotheses, map, seen, parameters);
@@ -187,25 +186,25 @@ TEST(LayOver, ChoosesBetweenTwoEqualPlacesByLooks) {
   EXPECT_NEAR(best->target_from_source.pose.x_m, 0.0, kRounding);
 }
 
-TEST(LayOver, PairsOnlyPointsOfOneType) {
+TEST(MatchConstellations, PairsOnlyPointsOfOneType) {
   Constellation map = scattered(12, 10.0, 5);
   const Constellation seen = map;
   for (ConstellationPoint& point : map) point.type = "tree";
   EXPECT_TRUE(matchConstellations(map, seen, {}, {}).empty());
 }
 
-TEST(LayOver, GivesNothingForOnePoint) {
+TEST(MatchConstellations, GivesNothingForOnePoint) {
   EXPECT_TRUE(matchConstellations(scattered(12, 10.0, 5), scattered(1, 10.0, 5), {}, {}).empty());
   EXPECT_TRUE(matchConstellations({}, scattered(12, 10.0, 5), {}, {}).empty());
 }
 
-TEST(LayOver, RefusesWhatIsNotFinite) {
+TEST(MatchConstellations, RefusesWhatIsNotFinite) {
   Constellation seen = scattered(5, 10.0, 5);
   seen[2].position_m.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(matchConstellations(scattered(12, 10.0, 5), seen, {}, {}), std::invalid_argument);
 }
 
-TEST(LayOver, GivesTheSameBitsTwice) {
+TEST(MatchConstellations, GivesTheSameBitsTwice) {
   const Constellation map = scattered(60, 30.0, 1);
   Constellation seen = seenFrom({14.0, 17.0, -2.0}, map, 8.0);
   addNoise(seen, 0.05, 3);
@@ -227,76 +226,6 @@ TEST(ConstellationParameters, NameWhatIsOutOfBounds) {
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("expected_overlap must be in (0, 1), got 1.0"));
   }
-}
-
-FeatureList listOf(const std::vector<Eigen::Vector2d>& positions_m) {
-  FeatureList list;
-  list.stamp_ns = 1;
-  for (const Eigen::Vector2d& position_m : positions_m) {
-    Feature feature;
-    feature.type = "pole";
-    feature.position_m = position_m;
-    feature.covariance_m2 = 1e-4 * Eigen::Matrix2d::Identity();
-    list.features.push_back(feature);
-  }
-  return list;
-}
-
-TEST(LocalConstellation, PutsFeaturesOfSeveralReadingsTogether) {
-  LocalConstellation local({}, {});
-  const Eigen::Vector2d pole_m(5.0, 1.0);
-  const Pose2 step{0.5, 0.0, 0.1};
-  Pose2 start_from_base;
-  local.add(listOf({pole_m}), {}, nullptr);
-  EXPECT_TRUE(local.points().empty());  // seen once only
-  for (int i = 0; i < 5; ++i) {
-    start_from_base = start_from_base * step;
-    local.add(listOf({start_from_base.inverse() * pole_m}), step, nullptr);
-  }
-  const Constellation points = local.points();
-  ASSERT_EQ(points.size(), 1U);
-  EXPECT_NEAR((points[0].position_m - start_from_base.inverse() * pole_m).norm(), 0.0, kRounding);
-}
-
-TEST(LocalConstellation, KeepsTwoFeaturesOfOneReadingApart) {
-  LocalConstellation local({}, {});
-  for (int i = 0; i < 3; ++i) local.add(listOf({{5.0, 1.0}, {5.0, 1.15}}), {}, nullptr);
-  EXPECT_EQ(local.points().size(), 2U);
-}
-
-TEST(LocalConstellation, ForgetsWhatIsFarBehind) {
-  LocalConstellationParameters parameters;
-  parameters.length = 3.0;
-  LocalConstellation local(parameters, {});
-  for (int i = 0; i < 2; ++i) local.add(listOf({{1.0, 1.0}}), {}, nullptr);
-  for (int i = 0; i < 29; ++i) local.add({}, {0.1, 0.0, 0.0}, nullptr);
-  EXPECT_EQ(local.points().size(), 1U);
-  for (int i = 0; i < 3; ++i) local.add({}, {0.1, 0.0, 0.0}, nullptr);
-  EXPECT_TRUE(local.points().empty());
-}
-
-/// Sees everything within its range: through what is nearer than `empty_m`, something beyond.
-class RoundView : public FieldOfView {
-public:
-  explicit RoundView(double empty_m) : empty_m_(empty_m) {}
-  Sight look(const Eigen::Vector2d& point_in_base_m) const override {
-    return point_in_base_m.norm() < empty_m_ ? Sight::kEmpty : Sight::kVisible;
-  }
-  double range_m() const override { return 100.0; }
-
-private:
-  double empty_m_;
-};
-
-TEST(Contradiction, CountsLandmarksWhereTheViewsShowNothing) {
-  const auto view = std::make_shared<const RoundView>(2.0);
-  const std::vector<LocalConstellation::PlacedView> views{{{}, view}, {{}, view}};
-  Constellation map(2);
-  map[0].position_m = {1.0, 0.0};
-  map[1].position_m = {3.0, 0.0};
-  EXPECT_EQ(contradiction(map, {true, true}, {}, views), -2.0);   // one is looked through
-  EXPECT_EQ(contradiction(map, {true, false}, {}, views), -2.5);  // the other is overlooked, too
-  EXPECT_EQ(contradiction(map, {true, true}, {-5.0, 0.0, 0.0}, views), 0.0);
 }
 
 }  // namespace

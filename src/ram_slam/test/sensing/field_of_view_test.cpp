@@ -6,8 +6,6 @@
 
 #include <gmock/gmock.h>
 
-#include "ram_slam/tracking/lost_detector.hpp"
-
 namespace ram_slam {
 namespace {
 
@@ -83,98 +81,6 @@ TEST(Discontinuity, IsUnknownIfTheViewsHaveTooLittleInCommon) {
   for (float& range_m : blind.ranges_m) range_m = std::numeric_limits<float>::quiet_NaN();
   const LaserView nothing(blind, {});
   EXPECT_FALSE(discontinuity(nothing, LaserView(roomScan(5.0, 3.0, {}), {}), {}));
-}
-
-/// Four known landmarks in the corners of the room, a particle in the middle.
-class LostDetection : public testing::Test {
-protected:
-  LostDetection() {
-    for (const Eigen::Vector2d& place_m : kCorners) {
-      Feature feature;
-      feature.type = "corner";
-      LandmarkRecord& record = registry_.create(feature, nullptr);
-      record.existence_log_odds = 5.0;
-      record.seen_from = 0xffff;
-      record.seen_within_m = 20.0;
-      particle_.landmarks.set(record.id, {place_m, Eigen::Matrix2d::Identity() * 1e-4});
-    }
-    detector_.trustMap(0.0);
-  }
-
-  FeatureList seeing(const std::vector<Eigen::Vector2d>& places_m) {
-    FeatureList list;
-    list.stamp_ns = 1'000'000'000;
-    for (const Eigen::Vector2d& place_m : places_m) {
-      Feature feature;
-      feature.type = "corner";
-      feature.position_m = place_m;
-      list.features.push_back(feature);
-    }
-    return list;
-  }
-
-  void look(const FeatureList& list, double path_m = 0.0) {
-    const LaserView view(roomScan(5.0, 3.0, {}), {});
-    detector_.add(list, &view, particle_, registry_, 2.0, path_m);
-  }
-
-  const std::vector<Eigen::Vector2d> kCorners{{4.8, 2.8}, {4.8, -2.8}, {-4.8, 2.8}, {-4.8, -2.8}};
-  LandmarkRegistry registry_;
-  Particle particle_;
-  LostDetector detector_{LostDetectorParameters{}};
-};
-
-TEST_F(LostDetection, IsContentWhereTheMapIsRight) {
-  look(seeing(kCorners));
-  EXPECT_EQ(detector_.agreement().found_count, 4);
-  EXPECT_EQ(detector_.agreement().quality(), 1.0);
-  EXPECT_FALSE(detector_.lost());
-}
-
-TEST_F(LostDetection, TakesOverlookedLandmarksAloneForNoProof) {
-  particle_.proposal.pose = {};
-  look(seeing({}));
-  EXPECT_EQ(detector_.agreement().found_count, 0);
-  EXPECT_FALSE(detector_.lost());
-}
-
-TEST_F(LostDetection, TakesNewFeaturesAloneForNoProof) {
-  look(seeing({kCorners[0],
-               kCorners[1],
-               kCorners[2],
-               kCorners[3],
-               {1.0, 1.0},
-               {2.0, -2.0},
-               {-2.0, 0.0},
-               {0.0, 2.0}}));
-  EXPECT_EQ(detector_.agreement().unexplained_count, 4);
-  EXPECT_FALSE(detector_.lost());
-}
-
-TEST_F(LostDetection, SaysLostWhenNothingIsWhereItShouldBe) {
-  particle_.landmarks = {};
-  for (LandmarkId id = 0; id < 4; ++id)  // where the view shows empty space
-    particle_.landmarks.set(id, {0.6 * kCorners[id], Eigen::Matrix2d::Identity() * 1e-4});
-  look(seeing(kCorners));
-  EXPECT_EQ(detector_.agreement().looked_through_count, 4);
-  EXPECT_TRUE(detector_.lost());
-}
-
-TEST_F(LostDetection, ExpectsNothingOfLandmarksNotSeenForALongWay) {
-  particle_.landmarks = {};
-  for (LandmarkId id = 0; id < 4; ++id)
-    particle_.landmarks.set(id, {0.6 * kCorners[id], Eigen::Matrix2d::Identity() * 1e-4});
-  look(seeing(kCorners), 100.0);
-  EXPECT_EQ(detector_.agreement().expected_count, 0);
-  EXPECT_FALSE(detector_.lost());
-}
-
-TEST_F(LostDetection, ForgetsAfterItsWindow) {
-  look(seeing(kCorners));
-  FeatureList later = seeing({});
-  later.stamp_ns += 3'000'000'000;
-  detector_.add(later, nullptr, particle_, registry_, 2.0, 0.0);
-  EXPECT_EQ(detector_.agreement().expected_count, 0);
 }
 
 }  // namespace

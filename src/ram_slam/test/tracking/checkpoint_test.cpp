@@ -68,7 +68,7 @@ TEST(Checkpoint, ComesBackAsItWas) {
   }
 }
 
-TEST(Checkpoint, TellsThatTheRobotWasLost) {
+TEST(Checkpoint, StatesThatTheRobotWasLost) {
   Checkpoint checkpoint = example();
   checkpoint.path.pop_back();
   EXPECT_TRUE(checkpointFromBytes(toBytes(checkpoint)).isLost());

@@ -7,50 +7,67 @@
 
 #include <Eigen/Core>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/landmarks/feature_matcher.hpp"
 
 namespace ram_slam {
 
-/// Something at a place in some planar frame, and how it looked.
+/// Something at a place in some planar frame, and its appearance.
 struct ConstellationPoint {
   std::string type;
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   Eigen::Matrix2d covariance_m2 = Eigen::Matrix2d::Zero();
-  std::vector<DescriptorPointer> views;  ///< empty: no evidence by looks
+  std::vector<DescriptorPointer> descriptors;  ///< empty: no evidence by appearance
   double orientation_rad = 0.0;
   double orientation_variance_rad2 = 1e6;  ///< 1e6: not observed
 };
 
 /// Features whose positions relative to each other are known: a landmark map, or what a robot has
-/// seen of late.
+/// seen recently.
 using Constellation = std::vector<ConstellationPoint>;
 
+/// The table explains the fields.
 struct ConstellationParameters {
-  /// [m] standard deviation per axis added to each point: what drift and detectors do beyond the
-  /// stated covariance.
   double position_sigma = 0.08;
-  /// [m] two points nearer to each other than this tell no direction.
   double minimum_baseline = 1.5;
-  /// [nat] pairs that look less alike than this start no hypothesis.
   double minimum_likeness = -1.0;
-  /// [1/m^2] of points that have no partner.
   double unknown_feature_density = 0.05;
-  /// Share of the source's points that the target is expected to hold, in (0, 1).
   double expected_overlap = 0.7;
-  int most_hypotheses = 10;  ///< that are returned
-  /// [m], [rad] hypotheses nearer to a better one than both are the same.
+  int most_hypotheses = 10;
   double distinct_distance = 1.0;
   double distinct_angle = 0.2;
 
   /// Of uniqueHypothesis().
   int minimum_pairs = 4;
-  double minimum_score = 10.0;    ///< [nat] over the score of unrelated constellations
-  double minimum_lead = 6.0;      ///< [nat] over the second best
-  double minimum_overlap = 0.45;  ///< share of the source's points that have a partner
+  double minimum_score = 10.0;
+  double minimum_lead = 6.0;
+  double minimum_overlap = 0.45;
 
+  /// How the search goes about it.
+  struct Search {
+    int max_putatives = 2000;
+    int max_votes = 200000;
+    int max_scored = 150;
+    int refinements = 4;
+    double pair_gate = 9.21;
+    double max_pair_distance_m = 2.0;
+    double rigidity_sigmas = 3.0;
+    double vote_cell_m = 0.5;
+    double vote_cell_rad = 0.15;
+    double vote_base = 1.5;
+    double min_vote = 0.1;
+    double orientation_sigma_rad = 0.07;
+    double wrong_orientations = 0.1;
+    double chance_cell_sigmas = 4.0;
+    double chance_arm_m = 5.0;
+    static const ram_parameters::ParameterTable<Search>& table();
+  };
+  Search search;
+
+  static const ram_parameters::ParameterTable<ConstellationParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
+  void validate() const { table().check(*this); }
 };
 
 /// A point of the target and one of the source that are taken for the same thing.

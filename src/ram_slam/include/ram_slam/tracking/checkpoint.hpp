@@ -24,7 +24,7 @@ Trajectory thinned(const Trajectory& path);
 std::string toBytes(const Checkpoint& checkpoint);
 
 /// What toBytes() wrote.
-/// \throws std::runtime_error saying what is wrong: as worldMapFromBytes(), a world map with more
+/// \throws std::runtime_error stating what is wrong: as worldMapFromBytes(), a world map with more
 /// than a checkpoint has, no reading in it, or a path that goes on after it
 Checkpoint checkpointFromBytes(const std::string& bytes);
 

@@ -4,29 +4,37 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/landmarks/constellation.hpp"
 #include "ram_slam/landmarks/feature.hpp"
 #include "ram_slam/sensing/field_of_view.hpp"
 
 namespace ram_slam {
 
+/// The table explains the fields.
 struct LocalConstellationParameters {
-  /// [m] of driving that is remembered.
   double length = 20.0;
-  /// [m] a feature nearer than this to a known point of its type is that point.
   double match_distance = 0.25;
-  /// Points seen less often are taken for errors of the detector.
   int minimum_sightings = 2;
-  /// [m/m] standard deviation that a point's position gains per metre driven since it was seen.
   double drift_per_m = 0.01;
+  int max_points = 60;
+  int max_descriptors = 4;
+  double turn_as_path_m = 0.3;
+  double view_spacing_m = 0.5;
+  double view_spacing_rad = 0.7;
+  double min_sigma_m = 0.02;
+  double new_descriptor_below = 0.0;
 
+  static const ram_parameters::ParameterTable<LocalConstellationParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
+  void validate() const { table().check(*this); }
 };
 
-/// What a robot that does not know where it is has seen of late, put together by odometry: the
+/// What a robot that does not know where it is has seen recently, put together by odometry: the
 /// features of the last metres and the views they were seen in, relative to each other.
 class LocalConstellation {
 public:
@@ -40,7 +48,7 @@ public:
   LocalConstellation(const LocalConstellationParameters& parameters, FeatureMatchers matchers);
 
   /// \param before_from_now  motion of the base since the last list
-  /// \param view  null if the sensor tells none
+  /// \param view  null if the sensor has none
   void add(const FeatureList& list,
            const Pose2& before_from_now,
            std::shared_ptr<const FieldOfView> view);
@@ -67,6 +75,13 @@ private:
 
   void forget();
   void addFeature(const Feature& feature, std::vector<bool>& used);
+  /// Index of the point that a feature of that type shows, none if it is new.
+  std::optional<std::size_t> nearest(const std::string& type,
+                                     const Eigen::Vector2d& place_m,
+                                     const std::vector<bool>& used) const;
+  /// Kalman update of the point with one more sighting in the local frame.
+  void update(Point& point, const ConstellationPoint& seen) const;
+  void addDescriptor(Point& point, const DescriptorPointer& descriptor) const;
   void addView(std::shared_ptr<const FieldOfView> view);
 
   LocalConstellationParameters parameters_;
@@ -76,13 +91,5 @@ private:
   std::vector<Point> points_;
   std::deque<View> views_;
 };
-
-/// What a hypothesis about the pose makes of the views: how much likelier it gets [nat, at most 0],
-/// given the landmarks that would have to be where the views show nothing.
-/// \param paired  per landmark, whether the hypothesis pairs it with something seen
-double contradiction(const Constellation& map,
-                     const std::vector<bool>& paired,
-                     const Pose2& map_from_base,
-                     const std::vector<LocalConstellation::PlacedView>& views);
 
 }  // namespace ram_slam

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/scan_matching/correlative_search.hpp"
 #include "ram_slam/sensing/field_of_view.hpp"
@@ -13,20 +14,57 @@
 
 namespace ram_slam {
 
-/// How recent views agree with those of a map at a pose.
-struct ViewAgreement {
-  int compared_count = 0;      ///< views that share enough with the map's to be compared
-  double contradiction = 0.0;  ///< mean over these of the share that discontinuity() gives
-  double evidence = 0.0;       ///< [nat] for the pose, at most MapViews::kMostEvidence per view
+/// The table explains the fields.
+struct MapViewsParameters {
+  double same_place_m = 1.0;
+  double same_place_rad = 0.8;
+  double max_distance_m = 4.0;
+  int max_compared = 2;
+  double neutral_ratio = 0.04;
+  double max_evidence = 1.0;
+  double max_counterevidence = 4.0;
+  double trusted_path_m = 10.0;
+
+  /// Of the search around a pose.
+  struct Refinement {
+    double step_m = 0.16;
+    double step_rad = 0.05;
+    int halvings = 3;
+    static const ram_parameters::ParameterTable<Refinement>& table();
+  };
+  Refinement refinement;
+
+  /// Of the search in all of the map.
+  struct Search {
+    double tile_m = 3.0;
+    double resolution_m = 0.15;
+    double deviation_m = 0.15;
+    int levels = 4;
+    double angle_step_rad = 0.02;
+    double min_fit = 0.6;
+    double near_best_fit = 0.8;
+    int max_candidates = 12;
+    int max_views = 12;
+    int max_points = 160;
+    static const ram_parameters::ParameterTable<Search>& table();
+  };
+  Search search;
+
+  static const ram_parameters::ParameterTable<MapViewsParameters>& table();
 };
 
-/// Views that a map was learned from, one per place: what a robot sees there if it is where it
-/// takes itself for, beyond the landmarks.
+/// How recent views agree with those of a map at a pose.
+struct ViewAgreement {
+  int compared_count = 0;            ///< views that share enough with the map's to be compared
+  double contradiction_ratio = 0.0;  ///< mean over these of the share that discontinuity() gives
+  double evidence = 0.0;             ///< [nat] for the pose, at most max_evidence per view
+};
+
+/// Views that a map was learned from, one per place: what a robot sees there if its pose is right,
+/// beyond the landmarks.
 class MapViews {
 public:
-  /// The most that one view may say for a pose, and against it [nat].
-  static constexpr double kMostEvidence = 1.0;
-  static constexpr double kMostCounterevidence = 4.0;
+  explicit MapViews(const MapViewsParameters& parameters = {}) : parameters_(parameters) {}
 
   /// Keeps the view unless there is one from about there.
   /// \param path_m  the way driven so far
@@ -42,13 +80,15 @@ public:
 
   /// The mean share of contradiction between a view and the map's nearest ones, if the base is
   /// there; none if they have too little in common.
-  std::optional<double> contradiction(const FieldOfView& view, const Pose2& map_from_base) const;
+  std::optional<double> contradictionRatio(const FieldOfView& view,
+                                           const Pose2& map_from_base) const;
   /// The same of a robot that is being tracked, compared only with views that agreed within the
-  /// last kTrustedPath_m of its way: where a loop closes, drift alone makes the others contradict.
-  std::optional<double> watch(const FieldOfView& view, const Pose2& map_from_base, double path_m);
+  /// last trusted_path_m of its way: where a loop closes, drift alone makes the others contradict.
+  std::optional<double> trackedContradictionRatio(const FieldOfView& view,
+                                                  const Pose2& map_from_base,
+                                                  double path_m);
   /// The pose was found in the map just now: for a while all views count.
   void trustMap(double path_m);
-  static constexpr double kTrustedPath_m = 10.0;
 
   /// The same for views along a way, given where its end is.
   ViewAgreement judge(const std::vector<LocalConstellation::PlacedView>& views,
@@ -59,7 +99,7 @@ public:
                 const Pose2& map_from_base) const;
 
   /// Poses near a place of the map at which the surfaces in the views lie on those of the map:
-  /// where the robot may be, as far as walls tell. At most one per kTile_m square, the best first.
+  /// where the robot may be by its walls alone. At most one per tile_m square, the best first.
   std::vector<Pose2> candidates(const std::vector<LocalConstellation::PlacedView>& views) const;
 
 private:
@@ -73,8 +113,11 @@ private:
   /// Indices of the places near enough to be compared, the nearest first.
   std::vector<std::size_t> near(const Pose2& map_from_base) const;
 
+  const LikelihoodPyramid* surfaces() const;
+
+  MapViewsParameters parameters_;
   std::vector<Place> places_;  ///< oldest first
-  /// Of all places, once they were searched; nothing that can be seen from outside.
+  /// Of all places, once they were searched; a cache.
   mutable std::optional<LikelihoodPyramid> surfaces_;
 };
 
