@@ -24,7 +24,7 @@ parameters: build
 	@devel/lib/ramscout_bringup/parameter_reference .
 
 lint: deps
-	@scripts/check_source.sh
+	@scripts/lint.sh
 
 format:
 	@clang-format -i $$(git ls-files '*.hpp' '*.cpp')

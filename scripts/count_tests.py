@@ -28,7 +28,7 @@ def main():
         print("FAILED: " + " ".join(key))
     failed_count = len(failed)
     if ctest_status != 0 and failed_count == 0:
-        print("FAILED: ctest ended with status %d; see its output above" % ctest_status)
+        print("FAILED: lint or ctest ended with status %d; see the output above" % ctest_status)
         failed_count = 1
     print("%d passed, %d failed" % (len(outcomes) - len(failed), failed_count))
     sys.exit(1 if failed_count > 0 or not outcomes else 0)

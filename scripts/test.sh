@@ -7,11 +7,11 @@ scripts=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source "$scripts/environment.sh"
 source devel/setup.bash
 
-"$scripts/check_source.sh"
+status=0
+"$scripts/lint.sh" || status=$?
 
 rm -rf build/test_results build/Testing
 cd build
-status=0
 ctest --output-on-failure --no-tests=error --timeout 600 "$@" || status=$?
 cd ..
 # ctest counts programs; the total counts the tests inside them. A program that died leaves no result file of its own
