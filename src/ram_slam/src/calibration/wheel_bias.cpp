@@ -5,41 +5,52 @@
 #include <cmath>
 
 namespace ram_slam {
-namespace {
 
-constexpr double kMostTurn_rad = 0.2;  // of an interval
-constexpr double kMemory_m = 50.0;     // driving so far makes older intervals count 1/e
-// The prior, as if nothing wrong had been observed over that sum of squares [m^2].
-constexpr double kPrior_m2 = 0.3;
-// No robot that drives is worse.
-constexpr double kMostDistanceError = 0.2;
-constexpr double kMostYawPerMetre = 0.1;
-
-}  // namespace
+const ram_parameters::ParameterTable<WheelBiasParameters>& WheelBiasParameters::table() {
+  using namespace ram_parameters;
+  using P = WheelBiasParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .include(&P::interval,
+                   motionGateTable("Motion over which wheels and scans are compared."), "interval_")
+          .add("max_interval_turn_rad", &P::max_interval_turn_rad, "rad", positive(),
+               "Intervals with more turning are not used.")
+          .add("memory_m", &P::memory_m, "m", positive(),
+               "Driving so far makes older intervals count 1/e.")
+          .add("prior_m2", &P::prior_m2, "m^2", positive(),
+               "The prior counts as if no error had been observed over this sum of squared "
+               "distances.")
+          .add("max_distance_error", &P::max_distance_error, "", within(0.0, 1.0),
+               "Greatest error of the wheels' distance, as a share of it.")
+          .add("max_yaw_rad_per_m", &P::max_yaw_rad_per_m, "rad/m", atLeast(0.0),
+               "Greatest error of the wheels' turn per metre.");
+  return table;
+}
 
 double WheelBias::distanceRatio() const {
-  return 1.0 + std::clamp(distance_errors_m2_ / (squares_m2_ + kPrior_m2), -kMostDistanceError,
-                          kMostDistanceError);
+  return 1.0 + std::clamp(distance_errors_m2_ / (squares_m2_ + parameters_.prior_m2),
+                          -parameters_.max_distance_error, parameters_.max_distance_error);
 }
 
 double WheelBias::yawPerMetre() const {
-  return std::clamp(yaw_errors_rad_m_ / (squares_m2_ + kPrior_m2), -kMostYawPerMetre,
-                    kMostYawPerMetre);
+  return std::clamp(yaw_errors_rad_m_ / (squares_m2_ + parameters_.prior_m2),
+                    -parameters_.max_yaw_rad_per_m, parameters_.max_yaw_rad_per_m);
 }
 
 Pose2 WheelBias::corrected(const Pose2& wheels) const {
-  const Eigen::Vector3d told = logarithm(wheels);
-  return exponential({distanceRatio() * told.x(), told.y(), told.z() + yawPerMetre() * told.x()});
+  const Eigen::Vector3d twist = logarithm(wheels);
+  return exponential(
+      {distanceRatio() * twist.x(), twist.y(), twist.z() + yawPerMetre() * twist.x()});
 }
 
 void WheelBias::add(const Pose2& wheels, const Pose2& observed) {
-  const Eigen::Vector3d told = logarithm(wheels);
-  if (std::abs(told.z()) > kMostTurn_rad) return;
-  const Eigen::Vector3d error = logarithm(observed) - told;
-  const double kept = std::exp(-std::abs(told.x()) / kMemory_m);
-  squares_m2_ = kept * squares_m2_ + told.x() * told.x();
-  distance_errors_m2_ = kept * distance_errors_m2_ + told.x() * error.x();
-  yaw_errors_rad_m_ = kept * yaw_errors_rad_m_ + told.x() * error.z();
+  const Eigen::Vector3d twist = logarithm(wheels);
+  if (std::abs(twist.z()) > parameters_.max_interval_turn_rad) return;
+  const Eigen::Vector3d error = logarithm(observed) - twist;
+  const double kept = std::exp(-std::abs(twist.x()) / parameters_.memory_m);
+  squares_m2_ = kept * squares_m2_ + twist.x() * twist.x();
+  distance_errors_m2_ = kept * distance_errors_m2_ + twist.x() * error.x();
+  yaw_errors_rad_m_ = kept * yaw_errors_rad_m_ + twist.x() * error.z();
 }
 
 }  // namespace ram_slam

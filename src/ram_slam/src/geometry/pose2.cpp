@@ -4,6 +4,7 @@
 namespace ram_slam {
 namespace {
 
+/// Speed changes within a longer time: the mean of such an interval is not the speed at its end.
 constexpr std::int64_t kLongestContinuedNs = 1'000'000'000;
 
 /// sin(x) / x and (1 - cos(x)) / x, by their series where the quotient loses digits.
@@ -48,6 +49,10 @@ Eigen::Vector2d operator*(const Pose2& a_from_b, const Eigen::Vector2d& point_in
   const double s = std::sin(a_from_b.yaw_rad);
   return {a_from_b.x_m + c * point_in_b.x() - s * point_in_b.y(),
           a_from_b.y_m + s * point_in_b.x() + c * point_in_b.y()};
+}
+
+Eigen::Vector3d componentDifference(const Pose2& a, const Pose2& b) {
+  return {a.x_m - b.x_m, a.y_m - b.y_m, wrapAngle(a.yaw_rad - b.yaw_rad)};
 }
 
 Pose2 exponential(const Eigen::Vector3d& twist) {

@@ -2,23 +2,24 @@
 #include "ram_slam/geometry/trajectory.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "ram_slam/geometry/motion_gate.hpp"
+
 namespace ram_slam {
 namespace {
 
-constexpr double kMostSpeed_m_per_s = 5.0;
-constexpr double kMostTurnSpeed_rad_per_s = 5.0;
+/// Odometry that moves farther than this within a second has jumped: no robot indoors is as fast.
+constexpr MotionGate kMostPerSecond{5.0, 5.0};
 
 bool isJump(const StampedPose2& before, const StampedPose2& after) {
   const double interval_s = 1e-9 * static_cast<double>(after.stamp_ns - before.stamp_ns);
-  const Pose2 motion = before.pose.inverse() * after.pose;
-  return motion.translation().norm() > kMostSpeed_m_per_s * interval_s ||
-         std::abs(motion.yaw_rad) > kMostTurnSpeed_rad_per_s * interval_s;
+  const MotionGate most{kMostPerSecond.distance_m * interval_s,
+                        kMostPerSecond.angle_rad * interval_s};
+  return most.isExceededBy(before.pose.inverse() * after.pose);
 }
 
 /// The readings around a stamp; the same one twice at its own stamp.

@@ -8,7 +8,9 @@
 namespace ram_slam {
 namespace {
 
-constexpr std::size_t kBlock = 16;  // readings between two looks at whether a score is out of reach
+/// Readings between two checks whether a score is out of reach: changes the time only, not the
+/// result.
+constexpr std::size_t kBlock = 16;
 
 struct Cell {
   int column = 0;
@@ -83,7 +85,7 @@ private:
     const auto cells_per_m = static_cast<float>(1.0 / pyramid_.resolution_m());
     std::vector<Cell> cells;
     cells.reserve(points.size());
-    // Spread, so that each block of them says something about the whole scan.
+    // Spread, so that each block of them samples the whole scan.
     const std::size_t stride = (points.size() + kBlock - 1) / kBlock;
     for (std::size_t first = 0; first < stride; ++first) {
       for (std::size_t i = first; i < points.size(); i += stride) {

@@ -9,37 +9,10 @@
 
 #include <Eigen/Dense>
 
-#include "ram_parameters/require.hpp"
 #include "ram_slam/scan_matching/correlative_search.hpp"
 
 namespace ram_slam {
 namespace {
-
-constexpr double kSlipDeviations = 4.0;  // beyond so many deviations the wheels are not believed
-constexpr double kSearchResolutionM = 0.05;
-constexpr double kSearchDeviationM = 0.06;
-constexpr int kSearchLevels = 4;
-constexpr std::size_t kSearchPoints = 150;
-constexpr double kMinSearchScore = 0.35;
-constexpr double kWideSearchAngleRad =
-    3.2;                            // all round, when a search about the prediction has failed
-constexpr double kIntervalM = 0.3;  // over which the bias of the wheels shows
-constexpr double kIntervalRad = 0.3;
-constexpr double kWeakPriorFactor = 100.0;  // by which the variance of disbelieved wheels grows
-// A motion that scans tell and wheels do not, farther than this plus the time at these speeds: the
-// robot was carried away, or the scan laid over the wrong walls.
-constexpr double kReachM = 0.05;
-constexpr double kReachRad = 0.05;
-constexpr double kFastestMps = 2.0;
-constexpr double kFastestRadps = 4.0;
-// Wheels that move less stand still; they are stuck if the robot has moved that far meanwhile.
-constexpr double kStandingM = 0.001;
-constexpr double kStandingRad = 0.001;
-constexpr double kStuckM = 0.15;
-constexpr double kStuckRad = 0.15;
-
-using ram_parameters::require;
-using ram_parameters::requirePositive;
 
 /// A covariance of (x, y, yaw) turned into the axes of a frame that the first one is rotated in.
 Eigen::Matrix3d rotate(const Eigen::Matrix3d& covariance, double yaw_rad) {
@@ -56,16 +29,6 @@ Eigen::Matrix3d shiftCovariance(const Eigen::Matrix3d& covariance, const Eigen::
   return jacobian * covariance * jacobian.transpose();
 }
 
-Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
-  return {a.x_m - b.x_m, a.y_m - b.y_m, wrapAngle(a.yaw_rad - b.yaw_rad)};
-}
-
-/// Whether no robot gets so far in that time.
-bool isOutOfReach(const Pose2& motion, double interval_s) {
-  return motion.translation().norm() > kReachM + kFastestMps * interval_s ||
-         std::abs(motion.yaw_rad) > kReachRad + kFastestRadps * interval_s;
-}
-
 std::vector<Eigen::Vector2f> spread(const std::vector<SurfacePoint>& points,
                                     std::size_t max_count) {
   const std::size_t stride = std::max<std::size_t>(1, (points.size() + max_count - 1) / max_count);
@@ -77,60 +40,8 @@ std::vector<Eigen::Vector2f> spread(const std::vector<SurfacePoint>& points,
 
 }  // namespace
 
-void LaserOdometryParameters::validate() const {
-  surfaces.validate();
-  matcher.validate();
-  requirePositive("key_scan_distance_m", key_scan_distance_m);
-  requirePositive("key_scan_angle_rad", key_scan_angle_rad);
-  require(key_scan_inlier_ratio >= 0.0 && key_scan_inlier_ratio <= 1.0, "key_scan_inlier_ratio",
-          key_scan_inlier_ratio, "in [0, 1]");
-  require(key_scan_count >= 1, "key_scan_count", key_scan_count, ">= 1");
-  require(reference_count >= 1 && reference_count <= key_scan_count, "reference_count",
-          reference_count, "in [1, key_scan_count]");
-  requirePositive("wheel_rest_deviation_m", wheel_rest_deviation_m);
-  requirePositive("wheel_rest_deviation_rad", wheel_rest_deviation_rad);
-  requirePositive("wheel_distance_deviation_m_per_m", wheel_distance_deviation_m_per_m);
-  requirePositive("wheel_yaw_deviation_rad_per_m", wheel_yaw_deviation_rad_per_m);
-  requirePositive("wheel_yaw_deviation_rad_per_rad", wheel_yaw_deviation_rad_per_rad);
-  require(max_stamp_offset_s >= 0.0 && max_stamp_offset_s <= 1.0, "max_stamp_offset_s",
-          max_stamp_offset_s, "in [0, 1]");
-  requirePositive("acceleration_deviation_m_per_s2", acceleration_deviation_m_per_s2);
-  requirePositive("yaw_acceleration_deviation_rad_per_s2", yaw_acceleration_deviation_rad_per_s2);
-  require(lost_inlier_ratio >= 0.0 && lost_inlier_ratio <= 1.0, "lost_inlier_ratio",
-          lost_inlier_ratio, "in [0, 1]");
-  requirePositive("search_distance_m", search_distance_m);
-  requirePositive("search_angle_rad", search_angle_rad);
-}
-
-LaserOdometryParameters readLaserOdometryParameters(ram_parameters::ParameterReader& reader) {
-  LaserOdometryParameters parameters;
-  reader.read("odom_frame", parameters.odom_frame);
-  reader.read("base_frame", parameters.base_frame);
-  reader.read("use_wheels", parameters.use_wheels);
-  readScanMatching(reader, parameters.surfaces, parameters.matcher);
-  reader.read("key_scan_distance_m", parameters.key_scan_distance_m);
-  reader.read("key_scan_angle_rad", parameters.key_scan_angle_rad);
-  reader.read("key_scan_inlier_ratio", parameters.key_scan_inlier_ratio);
-  reader.read("key_scan_count", parameters.key_scan_count);
-  reader.read("reference_count", parameters.reference_count);
-  reader.read("wheel_rest_deviation_m", parameters.wheel_rest_deviation_m);
-  reader.read("wheel_rest_deviation_rad", parameters.wheel_rest_deviation_rad);
-  reader.read("wheel_distance_deviation_m_per_m", parameters.wheel_distance_deviation_m_per_m);
-  reader.read("wheel_yaw_deviation_rad_per_m", parameters.wheel_yaw_deviation_rad_per_m);
-  reader.read("wheel_yaw_deviation_rad_per_rad", parameters.wheel_yaw_deviation_rad_per_rad);
-  reader.read("max_stamp_offset_s", parameters.max_stamp_offset_s);
-  reader.read("acceleration_deviation_m_per_s2", parameters.acceleration_deviation_m_per_s2);
-  reader.read("yaw_acceleration_deviation_rad_per_s2",
-              parameters.yaw_acceleration_deviation_rad_per_s2);
-  reader.read("lost_inlier_ratio", parameters.lost_inlier_ratio);
-  reader.read("search_distance_m", parameters.search_distance_m);
-  reader.read("search_angle_rad", parameters.search_angle_rad);
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
-}
-
-LaserOdometry::LaserOdometry(const LaserOdometryParameters& parameters) : parameters_(parameters) {
+LaserOdometry::LaserOdometry(const LaserOdometryParameters& parameters)
+    : parameters_(parameters), wheel_bias_(parameters.wheel_bias) {
   parameters_.validate();
 }
 
@@ -140,15 +51,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   if (!base_from_laser.isFinite() || (odom_from_base && !odom_from_base->isFinite())) {
     throw std::invalid_argument("pose not finite");
   }
-  if (key_scans_.empty()) {
-    SurfaceScan surfaces = extractSurfaces(scan, parameters_.surfaces);
-    last_.stamp_ns = scan.stamp_ns;
-    last_.odom_from_base.pose = odom_from_base.value_or(Pose2{});
-    last_.inlier_ratio = 1.0;
-    key_scans_.push_back({std::move(surfaces), last_.odom_from_base.pose * base_from_laser});
-    last_wheels_ = odom_from_base;
-    return last_;
-  }
+  if (key_scans_.empty()) return begin(scan, base_from_laser, odom_from_base);
   if (scan.stamp_ns <= last_.stamp_ns) {
     throw std::invalid_argument("scan of stamp " + std::to_string(scan.stamp_ns) +
                                 " ns, not later than the last one, " +
@@ -166,42 +69,35 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   estimate.inlier_ratio = found.inlier_ratio;
   const Pose2& before = last_.odom_from_base.pose;
   const double interval_s = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
-  const Pose2 told = before.inverse() * found.map_from_laser * base_from_laser.inverse();
-  estimate.jumped = odom_from_base && last_wheels_ && isOutOfReach(told, interval_s) &&
-                    isOutOfReach(prediction.motion.inverse() * told, interval_s);
+  const Pose2 found_motion = before.inverse() * found.map_from_laser * base_from_laser.inverse();
+  estimate.jumped = odom_from_base && last_wheels_ && isJump(found_motion, prediction, interval_s);
   if (estimate.jumped) {
-    // Whatever walls the scan was laid over, the robot cannot have got there: it goes on from where
-    // the wheels lead.
+    // Whatever walls the scan was matched with, the robot cannot have got there: it goes on from
+    // where the wheels lead.
     found.map_from_laser = before * prediction.motion * base_from_laser;
     found.information.setZero();
     key_scans_.clear();
   }
-
-  // Covariance of the laser in the odometry axes, then of the base in the axes of the base before.
-  const Pose2 odom_from_base_now = found.map_from_laser * base_from_laser.inverse();
-  const double variance_factor =
-      estimate.wheels_slipped || estimate.jumped ? kWeakPriorFactor : 1.0;
-  const Eigen::Matrix3d prior_covariance =
-      variance_factor * rotate(prediction.covariance, before.yaw_rad);
-  const Eigen::Vector2d lever =
-      odom_from_base_now.translation() - found.map_from_laser.translation();
-  const Eigen::Matrix3d laser_prior = shiftCovariance(prior_covariance, -lever);
-  const Eigen::Matrix3d laser_covariance = (found.information + laser_prior.inverse()).inverse();
-  estimate.motion.pose = before.inverse() * odom_from_base_now;
-  estimate.motion.covariance = rotate(shiftCovariance(laser_covariance, lever), -before.yaw_rad);
-  estimate.odom_from_base = last_.odom_from_base * estimate.motion;
-
-  if (key_scans_.empty() || isKeyScan(found.map_from_laser, found.inlier_ratio)) {
-    key_scans_.push_back({std::move(surfaces), found.map_from_laser});
-    if (key_scans_.size() > static_cast<std::size_t>(parameters_.key_scan_count))
-      key_scans_.pop_front();
-  }
+  fuse(found, base_from_laser, prediction, estimate);
+  keepIfKeyScan(std::move(surfaces), found);
   learnBias(estimate, odom_from_base);
   estimate.wheels_stuck = areStuck(odom_from_base, estimate.odom_from_base.pose);
   last_interval_s_ = interval_s;
   last_wheels_ = odom_from_base;
   last_ = estimate;
   return estimate;
+}
+
+LaserOdometryEstimate LaserOdometry::begin(const LaserScan& scan,
+                                           const Pose2& base_from_laser,
+                                           const std::optional<Pose2>& odom_from_base) {
+  SurfaceScan surfaces = extractSurfaces(scan, parameters_.surfaces);
+  last_.stamp_ns = scan.stamp_ns;
+  last_.odom_from_base.pose = odom_from_base.value_or(Pose2{});
+  last_.inlier_ratio = 1.0;
+  key_scans_.push_back({std::move(surfaces), last_.odom_from_base.pose * base_from_laser});
+  last_wheels_ = odom_from_base;
+  return last_;
 }
 
 LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
@@ -220,12 +116,15 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
         parameters_.wheel_yaw_deviation_rad_per_m * distance_m +
         parameters_.wheel_yaw_deviation_rad_per_rad * std::abs(prediction.motion.yaw_rad);
   } else {
-    const double ratio =
-        last_interval_s_ > 0.0 ? std::min(interval_s / last_interval_s_, 3.0) : 0.0;
+    const ConstantSpeedParameters& constant = parameters_.constant_speed;
+    const double ratio = last_interval_s_ > 0.0
+                             ? std::min(interval_s / last_interval_s_, constant.max_interval_ratio)
+                             : 0.0;
     prediction.motion = exponential(ratio * logarithm(last_.motion.pose));
-    deviation_m = 0.01 + parameters_.acceleration_deviation_m_per_s2 * interval_s * interval_s;
-    deviation_rad =
-        0.01 + parameters_.yaw_acceleration_deviation_rad_per_s2 * interval_s * interval_s;
+    deviation_m = constant.rest_deviation_m +
+                  parameters_.acceleration_deviation_m_per_s2 * interval_s * interval_s;
+    deviation_rad = constant.rest_deviation_rad +
+                    parameters_.yaw_acceleration_deviation_rad_per_s2 * interval_s * interval_s;
   }
   prediction.covariance.diagonal() << deviation_m * deviation_m, deviation_m * deviation_m,
       deviation_rad * deviation_rad;
@@ -246,12 +145,12 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
   PosePrior prior{predicted, covariance.inverse()};
 
   ScanMatch best = matchScan(surfaces, reference_scans, prior, predicted, parameters_.matcher);
-  const Eigen::Vector3d correction = difference(best.map_from_laser, predicted);
+  const Eigen::Vector3d correction = componentDifference(best.map_from_laser, predicted);
   const double deviations2 = correction.dot(prior.information * correction);
-  slipped = deviations2 > kSlipDeviations * kSlipDeviations;
+  slipped = deviations2 > parameters_.slip.deviations * parameters_.slip.deviations;
   if (!slipped && best.inlier_ratio >= parameters_.lost_inlier_ratio) return best;
 
-  prior.information /= kWeakPriorFactor;
+  prior.information /= parameters_.slip.prior_variance_factor;
   const auto tryFrom = [&](const Pose2& guess) {
     const ScanMatch other = matchScan(surfaces, reference_scans, prior, guess, parameters_.matcher);
     if (other.inlier_ratio > best.inlier_ratio) best = other;
@@ -259,7 +158,8 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
   tryFrom(best.map_from_laser);
   tryFrom(before * base_from_laser);
   tryFrom(before * last_.motion.pose * base_from_laser);
-  for (const double angle_rad : {parameters_.search_angle_rad, kWideSearchAngleRad}) {
+  for (const double angle_rad :
+       {parameters_.search_angle_rad, parameters_.pose_search.wide_angle_rad}) {
     if (best.inlier_ratio >= parameters_.lost_inlier_ratio) break;
     if (const auto found = search(surfaces, predicted, angle_rad)) {
       prior = {*found, Eigen::Matrix3d::Identity()};
@@ -269,31 +169,64 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
   return best;
 }
 
+bool LaserOdometry::isJump(const Pose2& found_motion,
+                           const Prediction& prediction,
+                           double interval_s) const {
+  const SlipParameters& slip = parameters_.slip;
+  const MotionGate reach{slip.jump.distance_m + slip.max_speed_mps * interval_s,
+                         slip.jump.angle_rad + slip.max_turn_speed_radps * interval_s};
+  return reach.isExceededBy(found_motion) &&
+         reach.isExceededBy(prediction.motion.inverse() * found_motion);
+}
+
+void LaserOdometry::fuse(const ScanMatch& found,
+                         const Pose2& base_from_laser,
+                         const Prediction& prediction,
+                         LaserOdometryEstimate& estimate) const {
+  // Covariance of the laser in the odometry axes, then of the base in the axes of the base before.
+  const Pose2& before = last_.odom_from_base.pose;
+  const Pose2 odom_from_base = found.map_from_laser * base_from_laser.inverse();
+  const double variance_factor =
+      estimate.wheels_slipped || estimate.jumped ? parameters_.slip.prior_variance_factor : 1.0;
+  const Eigen::Matrix3d prior_covariance =
+      variance_factor * rotate(prediction.covariance, before.yaw_rad);
+  const Eigen::Vector2d lever = odom_from_base.translation() - found.map_from_laser.translation();
+  const Eigen::Matrix3d laser_prior = shiftCovariance(prior_covariance, -lever);
+  const Eigen::Matrix3d laser_covariance = (found.information + laser_prior.inverse()).inverse();
+  estimate.motion.pose = before.inverse() * odom_from_base;
+  estimate.motion.covariance = rotate(shiftCovariance(laser_covariance, lever), -before.yaw_rad);
+  estimate.odom_from_base = last_.odom_from_base * estimate.motion;
+}
+
+void LaserOdometry::keepIfKeyScan(SurfaceScan surfaces, const ScanMatch& found) {
+  if (!key_scans_.empty() && !isKeyScan(found.map_from_laser, found.inlier_ratio)) return;
+  key_scans_.push_back({std::move(surfaces), found.map_from_laser});
+  if (key_scans_.size() > static_cast<std::size_t>(parameters_.key_scan_count))
+    key_scans_.pop_front();
+}
+
 void LaserOdometry::learnBias(const LaserOdometryEstimate& estimate,
                               const std::optional<Pose2>& wheels) {
   const bool trusted = wheels && !estimate.wheels_slipped && !estimate.jumped &&
                        estimate.inlier_ratio >= parameters_.lost_inlier_ratio;
   if (trusted && interval_) {
-    const Pose2 told = interval_->wheels.inverse() * *wheels;
-    if (told.translation().norm() < kIntervalM && std::abs(told.yaw_rad) < kIntervalRad) return;
-    wheel_bias_.add(told, interval_->observed.inverse() * estimate.odom_from_base.pose);
+    const Pose2 wheel_motion = interval_->wheels.inverse() * *wheels;
+    if (!parameters_.wheel_bias.interval.isReachedBy(wheel_motion)) return;
+    wheel_bias_.add(wheel_motion, interval_->observed.inverse() * estimate.odom_from_base.pose);
   }
   interval_.reset();
   if (trusted) interval_ = Interval{*wheels, estimate.odom_from_base.pose};
 }
 
 bool LaserOdometry::areStuck(const std::optional<Pose2>& wheels, const Pose2& odom_from_base) {
-  const auto moved = [](const Pose2& from, const Pose2& to, double distance_m, double angle_rad) {
-    const Pose2 motion = from.inverse() * to;
-    return motion.translation().norm() > distance_m || std::abs(motion.yaw_rad) > angle_rad;
-  };
   if (!wheels) {
     standing_.reset();
     return false;
   }
-  if (!standing_ || moved(standing_->wheels, *wheels, kStandingM, kStandingRad))
+  const SlipParameters& slip = parameters_.slip;
+  if (!standing_ || slip.standing.isExceededBy(standing_->wheels.inverse() * *wheels))
     standing_ = Interval{*wheels, odom_from_base};
-  return moved(standing_->observed, odom_from_base, kStuckM, kStuckRad);
+  return slip.stuck.isExceededBy(standing_->observed.inverse() * odom_from_base);
 }
 
 std::optional<Pose2> LaserOdometry::search(const SurfaceScan& surfaces,
@@ -308,13 +241,16 @@ std::optional<Pose2> LaserOdometry::search(const SurfaceScan& surfaces,
     }
   }
   if (points_in_odom.empty()) return std::nullopt;
-  const LikelihoodPyramid pyramid(points_in_odom, kSearchResolutionM, kSearchDeviationM,
-                                  kSearchLevels);
+  const PoseSearchParameters& settings = parameters_.pose_search;
+  const LikelihoodPyramid pyramid(points_in_odom, settings.resolution_m, settings.deviation_m,
+                                  settings.levels);
   SearchWindow window;
+  window.angle_step_rad = settings.angle_step_rad;
   window.distance_m = parameters_.search_distance_m;
   window.angle_rad = angle_rad;
-  const auto found = searchPose(pyramid, spread(surfaces.points, kSearchPoints), odom_from_laser,
-                                window, kMinSearchScore);
+  const auto found =
+      searchPose(pyramid, spread(surfaces.points, static_cast<std::size_t>(settings.max_points)),
+                 odom_from_laser, window, settings.min_score);
   if (!found) return std::nullopt;
   return found->map_from_laser;
 }
@@ -334,9 +270,8 @@ std::vector<ReferenceScan> LaserOdometry::references() const {
 
 bool LaserOdometry::isKeyScan(const Pose2& odom_from_laser, double inlier_ratio) const {
   const Pose2 motion = key_scans_.back().odom_from_laser.inverse() * odom_from_laser;
-  return motion.translation().norm() >= parameters_.key_scan_distance_m ||
-         std::abs(motion.yaw_rad) >= parameters_.key_scan_angle_rad ||
-         inlier_ratio < parameters_.key_scan_inlier_ratio;
+  const MotionGate gate{parameters_.key_scan_distance_m, parameters_.key_scan_angle_rad};
+  return gate.isReachedBy(motion) || inlier_ratio < parameters_.key_scan_inlier_ratio;
 }
 
 }  // namespace ram_slam

@@ -10,8 +10,18 @@
 namespace ram_slam {
 namespace {
 
-constexpr float kMaxSearchBeams = 12.0F;
+/// Points per block: eight vectors of eight floats; the block stays in the first-level cache.
 constexpr std::size_t kBlock = 64;
+
+/// target_from_source in single precision.
+struct Transform {
+  explicit Transform(const Pose2& pose)
+      : cosine(static_cast<float>(std::cos(pose.yaw_rad))),
+        sine(static_cast<float>(std::sin(pose.yaw_rad))),
+        shift_x(static_cast<float>(pose.x_m)),
+        shift_y(static_cast<float>(pose.y_m)) {}
+  float cosine, sine, shift_x, shift_y;
+};
 
 /// Points of the source that lie on lines, turned into the target's axes and looked up, a block at
 /// a time: column by column, so that the compiler works on several at once.
@@ -19,7 +29,7 @@ struct Block {
   std::size_t count = 0;
   std::array<SurfacePoint, kBlock> source;
   std::array<float, kBlock> rotated_x, rotated_y, x_m, y_m;
-  std::array<std::int32_t, kBlock> beam;         ///< that looks towards the point, or -1
+  std::array<std::int32_t, kBlock> beam;         ///< in the direction of the point, or -1
   std::array<std::int32_t, kBlock> reach_beams;  ///< to search on both sides
 
   /// Takes points from `next` on, until it is full. \returns where the next block begins
@@ -30,10 +40,32 @@ struct Block {
     }
     return next;
   }
+
+  /// Turns the points into the target's axes and finds the beams of the target in their direction.
+  /// \param reach  greatest distance of a partner, in beams at a range of 1 m
+  void place(const Transform& transform,
+             const BeamFinder& finder,
+             float reach,
+             float max_search_beams) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const SurfacePoint& point = source[i];
+      rotated_x[i] = transform.cosine * point.x_m - transform.sine * point.y_m;
+      rotated_y[i] = transform.sine * point.x_m + transform.cosine * point.y_m;
+      const float target_x_m = rotated_x[i] + transform.shift_x;
+      const float target_y_m = rotated_y[i] + transform.shift_y;
+      // Not nearer than 5 cm, so that the quotient below stays finite.
+      const float range_m =
+          std::max(std::sqrt(target_x_m * target_x_m + target_y_m * target_y_m), 0.05F);
+      x_m[i] = target_x_m;
+      y_m[i] = target_y_m;
+      beam[i] = finder.beamTowards(target_x_m, target_y_m);
+      reach_beams[i] = 1 + static_cast<std::int32_t>(std::min(reach / range_m, max_search_beams));
+    }
+  }
 };
 
-/// The nearest point within `max_distance_m` among the beams beside the one that looks there, or
-/// null.
+/// The nearest point within `max_distance_m` among the beams beside the one in its direction,
+/// or null.
 const SurfacePoint* nearest(const SurfaceScan& scan,
                             const Block& block,
                             std::size_t index,
@@ -59,6 +91,31 @@ const SurfacePoint* nearest(const SurfaceScan& scan,
   return best;
 }
 
+/// The sums over all pairs, in single precision.
+struct Sums {
+  float xx = 0.0F, xy = 0.0F, yy = 0.0F, xa = 0.0F, ya = 0.0F, aa = 0.0F;
+  float gx = 0.0F, gy = 0.0F, ga = 0.0F, cost = 0.0F, weight = 0.0F;
+
+  /// \param nx, ny  normal of the line
+  /// \param lever   derivative of the residual by the yaw
+  void add(float nx, float ny, float lever, float residual, float pair_weight) {
+    const float wx = pair_weight * nx;
+    const float wy = pair_weight * ny;
+    const float wa = pair_weight * lever;
+    xx += wx * nx;
+    xy += wx * ny;
+    yy += wy * ny;
+    xa += wx * lever;
+    ya += wy * lever;
+    aa += wa * lever;
+    gx += wx * residual;
+    gy += wy * residual;
+    ga += wa * residual;
+    cost += pair_weight * residual * residual;
+    weight += pair_weight;
+  }
+};
+
 }  // namespace
 
 PointToLineSum sumPointToLine(const SurfaceScan& target,
@@ -67,37 +124,21 @@ PointToLineSum sumPointToLine(const SurfaceScan& target,
                               const PairingLimits& limits) {
   const BeamFinder finder(target.angle_min_rad, target.angle_increment_rad,
                           target.point_of_beam.size());
-  const auto cosine = static_cast<float>(std::cos(target_from_source.yaw_rad));
-  const auto sine = static_cast<float>(std::sin(target_from_source.yaw_rad));
-  const auto shift_x = static_cast<float>(target_from_source.x_m);
-  const auto shift_y = static_cast<float>(target_from_source.y_m);
+  const Transform transform(target_from_source);
   const auto max_distance_m = static_cast<float>(limits.max_distance_m);
   const auto min_cosine = static_cast<float>(limits.min_normal_cosine);
   const auto inverse_scale2 =
       static_cast<float>(1.0 / (limits.robust_scale_m * limits.robust_scale_m));
-
   const auto beams_per_rad = static_cast<float>(1.0 / std::abs(target.angle_increment_rad));
   const float reach = max_distance_m * beams_per_rad;
+  const auto max_search_beams = static_cast<float>(limits.max_search_beams);
 
   PointToLineSum sum;
-  float xx = 0.0F, xy = 0.0F, yy = 0.0F, xa = 0.0F, ya = 0.0F, aa = 0.0F;
-  float gx = 0.0F, gy = 0.0F, ga = 0.0F, cost = 0.0F, weight_sum = 0.0F;
+  Sums sums;
   Block block;
   for (std::size_t next = 0; next < source.points.size();) {
     next = block.take(source, next, limits.point_stride);
-    for (std::size_t i = 0; i < block.count; ++i) {
-      const SurfacePoint& point = block.source[i];
-      block.rotated_x[i] = cosine * point.x_m - sine * point.y_m;
-      block.rotated_y[i] = sine * point.x_m + cosine * point.y_m;
-      const float x_m = block.rotated_x[i] + shift_x;
-      const float y_m = block.rotated_y[i] + shift_y;
-      const float range_m = std::max(std::sqrt(x_m * x_m + y_m * y_m), 0.05F);
-      block.x_m[i] = x_m;
-      block.y_m[i] = y_m;
-      block.beam[i] = finder.beamTowards(x_m, y_m);
-      block.reach_beams[i] =
-          1 + static_cast<std::int32_t>(std::min(reach / range_m, kMaxSearchBeams));
-    }
+    block.place(transform, finder, reach, max_search_beams);
     for (std::size_t i = 0; i < block.count; ++i) {
       if (block.beam[i] < 0) continue;
       ++sum.visible_count;
@@ -105,34 +146,22 @@ PointToLineSum sumPointToLine(const SurfaceScan& target,
       if (partner == nullptr || !partner->hasNormal()) continue;
       const float nx = partner->normal_x;
       const float ny = partner->normal_y;
-      const float normal_x = cosine * block.source[i].normal_x - sine * block.source[i].normal_y;
-      const float normal_y = sine * block.source[i].normal_x + cosine * block.source[i].normal_y;
+      const SurfacePoint& point = block.source[i];
+      const float normal_x = transform.cosine * point.normal_x - transform.sine * point.normal_y;
+      const float normal_y = transform.sine * point.normal_x + transform.cosine * point.normal_y;
       if (nx * normal_x + ny * normal_y < min_cosine) continue;
       const float residual =
           nx * (block.x_m[i] - partner->x_m) + ny * (block.y_m[i] - partner->y_m);
       const float lever = ny * block.rotated_x[i] - nx * block.rotated_y[i];
-      const float weight = 1.0F / (1.0F + residual * residual * inverse_scale2);
-      const float wx = weight * nx;
-      const float wy = weight * ny;
-      const float wa = weight * lever;
-      xx += wx * nx;
-      xy += wx * ny;
-      yy += wy * ny;
-      xa += wx * lever;
-      ya += wy * lever;
-      aa += wa * lever;
-      gx += wx * residual;
-      gy += wy * residual;
-      ga += wa * residual;
-      cost += weight * residual * residual;
-      weight_sum += weight;
+      sums.add(nx, ny, lever, residual, 1.0F / (1.0F + residual * residual * inverse_scale2));
       ++sum.pair_count;
     }
   }
-  sum.information << xx, xy, xa, xy, yy, ya, xa, ya, aa;
-  sum.gradient << gx, gy, ga;
-  sum.cost_m2 = cost;
-  sum.weight = weight_sum;
+  sum.information << sums.xx, sums.xy, sums.xa, sums.xy, sums.yy, sums.ya, sums.xa, sums.ya,
+      sums.aa;
+  sum.gradient << sums.gx, sums.gy, sums.ga;
+  sum.cost_m2 = sums.cost;
+  sum.weight = sums.weight;
   return sum;
 }
 

@@ -6,18 +6,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "ram_parameters/require.hpp"
-
 namespace ram_slam {
 namespace {
-
-constexpr double kConvergedM = 2e-4;
-constexpr double kConvergedRad = 5e-5;
-// A first step as small as this says that the guess was good: the last gate can be used at once.
-constexpr double kNearM = 0.01;
-constexpr double kNearRad = 0.005;
-
-using ram_parameters::require;
 
 struct Equations {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -51,40 +41,47 @@ Equations sumReferences(const SurfaceScan& scan,
   return equations;
 }
 
-Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
-  return {a.x_m - b.x_m, a.y_m - b.y_m, wrapAngle(a.yaw_rad - b.yaw_rad)};
-}
-
 }  // namespace
 
-void ScanMatcherParameters::validate() const {
-  require(first_gate_m > 0.0, "first_gate_m", first_gate_m, "> 0");
-  require(last_gate_m > 0.0 && last_gate_m <= first_gate_m, "last_gate_m", last_gate_m,
-          "in (0, first_gate_m]");
-  require(min_normal_cosine >= -1.0 && min_normal_cosine <= 1.0, "min_normal_cosine",
-          min_normal_cosine, "in [-1, 1]");
-  require(robust_scale_m > 0.0, "robust_scale_m", robust_scale_m, "> 0");
-  require(range_deviation_m > 0.0, "range_deviation_m", range_deviation_m, "> 0");
-  require(correlated_beams >= 1.0, "correlated_beams", correlated_beams, ">= 1");
-  require(max_iterations >= 1, "max_iterations", max_iterations, ">= 1");
-  require(max_points >= 10, "max_points", max_points, ">= 10");
+const ram_parameters::ParameterTable<ScanMatcherParameters>& ScanMatcherParameters::table() {
+  using namespace ram_parameters;
+  using P = ScanMatcherParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .heading("Alignment of scans")
+          .add("first_gate_m", &P::first_gate_m, "m", positive(),
+               "Greatest distance of a pair in the first iteration.")
+          .add("last_gate_m", &P::last_gate_m, "m", positive(),
+               "Greatest distance of a pair in the last iterations.")
+          .rule(&P::last_gate_m, "<= first_gate_m",
+                [](const P& p) { return p.last_gate_m <= p.first_gate_m; })
+          .add("min_normal_cosine", &P::min_normal_cosine, "", within(-1.0, 1.0),
+               "Smallest cosine of the angle between the normals of a pair.")
+          .add("robust_scale_m", &P::robust_scale_m, "m", positive(),
+               "Residual at which a pair counts half.")
+          .add("range_deviation_m", &P::range_deviation_m, "m", positive(),
+               "Standard deviation of a reading across a wall.")
+          .add("correlated_beams", &P::correlated_beams, "", atLeast(1.0),
+               "How many neighbouring readings share their error.")
+          .add("max_iterations", &P::max_iterations, "", atLeast(1), "Most iterations.")
+          .add("max_points", &P::max_points, "", atLeast(10),
+               "Points of a scan that are used, evenly spread.")
+          .expert("Alignment of scans: details")
+          .include(&P::converged, motionGateTable("A step below this ends the iteration."),
+                   "converged_")
+          .include(&P::good_guess,
+                   motionGateTable("After a first step below this the last gate is used at once."),
+                   "good_guess_")
+          .add("gate_shrink", &P::gate_shrink, "", between(0.0, 1.0),
+               "The gate of an iteration divided by that of the iteration before.")
+          .add(
+              "max_search_beams", &P::max_search_beams, "", atLeast(1.0),
+              "Most beams on each side of a point's own beam among which its partner is searched.");
+  return table;
 }
 
-void readScanMatching(ram_parameters::ParameterReader& reader,
-                      SurfaceParameters& surfaces,
-                      ScanMatcherParameters& matcher) {
-  reader.read("neighbour_count", surfaces.neighbour_count);
-  reader.read("max_gap_m", surfaces.max_gap_m);
-  reader.read("max_line_deviation_m", surfaces.max_line_deviation_m);
-  reader.read("max_range_m", surfaces.max_range_m);
-  reader.read("first_gate_m", matcher.first_gate_m);
-  reader.read("last_gate_m", matcher.last_gate_m);
-  reader.read("min_normal_cosine", matcher.min_normal_cosine);
-  reader.read("robust_scale_m", matcher.robust_scale_m);
-  reader.read("range_deviation_m", matcher.range_deviation_m);
-  reader.read("correlated_beams", matcher.correlated_beams);
-  reader.read("max_iterations", matcher.max_iterations);
-  reader.read("max_points", matcher.max_points);
+void ScanMatcherParameters::validate() const {
+  table().check(*this);
 }
 
 ScanMatch matchScan(const SurfaceScan& scan,
@@ -96,6 +93,7 @@ ScanMatch matchScan(const SurfaceScan& scan,
   limits.max_distance_m = parameters.first_gate_m;
   limits.min_normal_cosine = parameters.min_normal_cosine;
   limits.robust_scale_m = parameters.robust_scale_m;
+  limits.max_search_beams = parameters.max_search_beams;
   const auto max_points = static_cast<std::size_t>(parameters.max_points);
   limits.point_stride =
       std::max<std::size_t>(1, (scan.points.size() + max_points - 1) / max_points);
@@ -118,17 +116,17 @@ ScanMatch matchScan(const SurfaceScan& scan,
         match.information + prior.information + 1e-6 * Eigen::Matrix3d::Identity();
     const Eigen::Vector3d gradient =
         scale * equations.gradient +
-        prior.information * difference(match.map_from_laser, prior.map_from_laser);
+        prior.information * componentDifference(match.map_from_laser, prior.map_from_laser);
     const Eigen::Vector3d step = -information.ldlt().solve(gradient);
     match.map_from_laser.x_m += step.x();
     match.map_from_laser.y_m += step.y();
     match.map_from_laser.yaw_rad = wrapAngle(match.map_from_laser.yaw_rad + step.z());
     const bool gate_is_last = limits.max_distance_m <= parameters.last_gate_m;
-    if (gate_is_last && step.head<2>().norm() < kConvergedM && std::abs(step.z()) < kConvergedRad)
-      break;
-    const bool is_near = step.head<2>().norm() < kNearM && std::abs(step.z()) < kNearRad;
-    limits.max_distance_m =
-        std::max(parameters.last_gate_m, is_near ? 0.0 : 0.6 * limits.max_distance_m);
+    const Pose2 moved{step.x(), step.y(), step.z()};
+    if (gate_is_last && !parameters.converged.isReachedBy(moved)) break;
+    const bool is_near = !parameters.good_guess.isReachedBy(moved);
+    limits.max_distance_m = std::max(
+        parameters.last_gate_m, is_near ? 0.0 : parameters.gate_shrink * limits.max_distance_m);
   }
   return match;
 }

@@ -4,18 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ram_parameters/require.hpp"
-
 namespace ram_slam {
 namespace {
-
-constexpr float kMaxGapInBeams =
-    4.0F;  // of the distance that neighbouring beams have on a facing wall
-constexpr int kMinLinePoints = 4;
-constexpr double kMinElongation =
-    3.0;  // of the neighbours along their line, in deviations across it
-
-using ram_parameters::require;
 
 struct Sums {
   double count = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
@@ -63,8 +53,10 @@ Sums sumNeighbours(const std::vector<SurfacePoint>& ends,
 
 /// The point on the line of least squares through its neighbours, with the line's normal; the bare
 /// point if they do not lie on a line.
-SurfacePoint fitLine(const SurfacePoint& end, const Sums& sums, double max_deviation_m) {
-  if (sums.count < kMinLinePoints) return end;
+SurfacePoint fitLine(const SurfacePoint& end,
+                     const Sums& sums,
+                     const SurfaceParameters& parameters) {
+  if (sums.count < parameters.min_line_points) return end;
   const double mean_x = sums.x / sums.count;
   const double mean_y = sums.y / sums.count;
   const double xx = sums.xx / sums.count - mean_x * mean_x;
@@ -73,8 +65,10 @@ SurfacePoint fitLine(const SurfacePoint& end, const Sums& sums, double max_devia
   const double half_difference = std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
   const double along = 0.5 * (xx + yy) + half_difference;
   const double across = std::max(0.0, 0.5 * (xx + yy) - half_difference);
+  const double max_deviation_m = parameters.max_line_deviation_m;
+  const double min_elongation = parameters.min_line_elongation;
   const bool is_line = across <= max_deviation_m * max_deviation_m &&
-                       along >= kMinElongation * kMinElongation * across;
+                       along >= min_elongation * min_elongation * across;
   if (!is_line || along <= 0.0) return end;
 
   // The line's direction has half the angle of (xx - yy, 2 xy).
@@ -99,12 +93,33 @@ SurfacePoint fitLine(const SurfacePoint& end, const Sums& sums, double max_devia
 
 }  // namespace
 
+const ram_parameters::ParameterTable<SurfaceParameters>& SurfaceParameters::table() {
+  using namespace ram_parameters;
+  using P = SurfaceParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .heading("Lines in a scan")
+          .add("neighbour_count", &P::neighbour_count, "", within(2, 100),
+               "Beams on each side that a line is fitted through.")
+          .add("max_gap_m", &P::max_gap_m, "m", positive(),
+               "Greatest distance between neighbours of one surface.")
+          .add("max_line_deviation_m", &P::max_line_deviation_m, "m", positive(),
+               "Standard deviation of the readings from their line.")
+          .add("max_range_m", &P::max_range_m, "m", positive(), "Readings beyond are not used.")
+          .expert("Lines in a scan: details")
+          .add("max_gap_in_beams", &P::max_gap_in_beams, "", positive(),
+               "Far away max_gap_m grows to so many times the distance of neighbouring beams on a "
+               "facing wall.")
+          .add("min_line_points", &P::min_line_points, "", atLeast(2),
+               "Readings without a gap between them that a line needs.")
+          .add("min_line_elongation", &P::min_line_elongation, "", atLeast(1.0),
+               "Readings are a line if their standard deviation along it is at least so many times "
+               "that across it.");
+  return table;
+}
+
 void SurfaceParameters::validate() const {
-  require(neighbour_count >= 2 && neighbour_count <= 100, "neighbour_count", neighbour_count,
-          "in [2, 100]");
-  require(max_gap_m > 0.0, "max_gap_m", max_gap_m, "> 0");
-  require(max_line_deviation_m > 0.0, "max_line_deviation_m", max_line_deviation_m, "> 0");
-  require(max_range_m > 0.0, "max_range_m", max_range_m, "> 0");
+  table().check(*this);
 }
 
 SurfaceScan extractSurfaces(const LaserScan& scan,
@@ -121,7 +136,8 @@ SurfaceScan extractSurfaces(const LaserScan& scan,
   std::vector<float> max_gaps_m;
   ends.reserve(scan.ranges_m.size());
   max_gaps_m.reserve(scan.ranges_m.size());
-  const auto beam_gap = kMaxGapInBeams * static_cast<float>(std::abs(scan.angle_increment_rad));
+  const auto beam_gap = static_cast<float>(parameters.max_gap_in_beams) *
+                        static_cast<float>(std::abs(scan.angle_increment_rad));
   const Eigen::Isometry2d moved = toIsometry(exponential(twist));
   const Eigen::Isometry2d turned(Eigen::Rotation2Dd(scan.angle_increment_rad));
   Eigen::Isometry2d first_from_beam(Eigen::Rotation2Dd(scan.angle_min_rad));
@@ -138,7 +154,7 @@ SurfaceScan extractSurfaces(const LaserScan& scan,
   surfaces.points.reserve(ends.size());
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const Sums sums = sumNeighbours(ends, i, max_gaps_m[i], parameters.neighbour_count);
-    surfaces.points.push_back(fitLine(ends[i], sums, parameters.max_line_deviation_m));
+    surfaces.points.push_back(fitLine(ends[i], sums, parameters));
   }
   return surfaces;
 }

@@ -34,7 +34,8 @@ MapSmootherParameters readMapSmootherParameters(ram_parameters::ParameterReader&
   reader.read("map_frame", parameters.map_frame);
   reader.read("base_frame", parameters.base_frame);
   reader.read("optimize_period_s", parameters.optimize_period_s);
-  readScanMatching(reader, parameters.surfaces, parameters.matcher);
+  SurfaceParameters::table().read(reader, parameters.surfaces);
+  ScanMatcherParameters::table().read(reader, parameters.matcher);
   reader.read("key_scan_distance_m", parameters.key_scan_distance_m);
   reader.read("key_scan_angle_rad", parameters.key_scan_angle_rad);
   reader.read("motion_rest_deviation_m", parameters.motion_rest_deviation_m);

@@ -21,7 +21,7 @@ OdometryStage::OdometryStage(const LaserOdometryParameters& parameters, bool ref
       refines_(refines),
       scans_(synchroniserParameters(parameters)),
       odometry_(parameters),
-      stamp_offset_(parameters.max_stamp_offset_s) {}
+      stamp_offset_(parameters.max_stamp_offset_s, parameters.stamp_offset) {}
 
 bool OdometryStage::addWheels(const StampedPose2& odom_from_base) {
   if (!scans_.add(odom_from_base)) return false;
@@ -36,7 +36,7 @@ std::optional<OdometryStep> OdometryStage::next() {
     if (reset_count_ != scans_.resetCount()) {
       reset_count_ = scans_.resetCount();
       odometry_ = LaserOdometry(parameters_);
-      stamp_offset_ = StampOffset(parameters_.max_stamp_offset_s);
+      stamp_offset_ = StampOffset(parameters_.max_stamp_offset_s, parameters_.stamp_offset);
       scans_.setStampOffset(0);
     }
     try {

@@ -10,8 +10,8 @@
 namespace ram_slam {
 namespace {
 
-/// What wheels say that are `ratio` times too large and of which one is larger than the other.
-Pose2 told(const Pose2& truth, double ratio, double yaw_per_m) {
+/// The motion by wheels that are `ratio` times too large and of which one is larger than the other.
+Pose2 byWheels(const Pose2& truth, double ratio, double yaw_per_m) {
   const Eigen::Vector3d twist = logarithm(truth);
   return exponential({ratio * twist.x(), twist.y(), twist.z() + yaw_per_m * ratio * twist.x()});
 }
@@ -28,12 +28,12 @@ TEST(WheelBias, OfWornAndUnequalWheelsIsLearnedWithinSomeMetres) {
   WheelBias bias;
   for (int i = 0; i < 200; ++i) {
     const Pose2 truth = exponential({0.3, 0.0, 0.05 * std::sin(0.3 * i)});
-    bias.add(told(truth, 1.03, -0.02), truth);
+    bias.add(byWheels(truth, 1.03, -0.02), truth);
   }
   EXPECT_NEAR(bias.distanceRatio(), 1.0 / 1.03, 1e-3);
   EXPECT_NEAR(bias.yawPerMetre(), 0.02, 1e-3);
   const Pose2 next = exponential({0.5, 0.0, 0.02});
-  const Pose2 error = bias.corrected(told(next, 1.03, -0.02)).inverse() * next;
+  const Pose2 error = bias.corrected(byWheels(next, 1.03, -0.02)).inverse() * next;
   EXPECT_LT(error.translation().norm(), 1e-3);
   EXPECT_LT(std::abs(error.yaw_rad), 1e-3);
 }
@@ -42,7 +42,7 @@ TEST(WheelBias, IsTheSameBackwards) {
   WheelBias bias;
   for (int i = 0; i < 200; ++i) {
     const Pose2 truth = exponential({i % 2 == 0 ? 0.3 : -0.3, 0.0, 0.0});
-    bias.add(told(truth, 1.0, -0.02), truth);
+    bias.add(byWheels(truth, 1.0, -0.02), truth);
   }
   EXPECT_NEAR(bias.yawPerMetre(), 0.02, 1e-3);
 }
@@ -61,8 +61,8 @@ TEST(WheelBias, IsNotTakenFromNoiseNorFromTurns) {
 TEST(WheelBias, FollowsWheelsThatChange) {
   WheelBias bias;
   const Pose2 truth = exponential({0.3, 0.0, 0.0});
-  for (int i = 0; i < 1000; ++i) bias.add(told(truth, 1.0, 0.02), truth);
-  for (int i = 0; i < 1000; ++i) bias.add(told(truth, 1.0, -0.02), truth);
+  for (int i = 0; i < 1000; ++i) bias.add(byWheels(truth, 1.0, 0.02), truth);
+  for (int i = 0; i < 1000; ++i) bias.add(byWheels(truth, 1.0, -0.02), truth);
   EXPECT_NEAR(bias.yawPerMetre(), 0.02, 1e-3);
 }
 

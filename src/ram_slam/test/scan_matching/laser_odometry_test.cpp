@@ -38,7 +38,7 @@ Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
   return {a.x_m - b.x_m, a.y_m - b.y_m, wrapAngle(a.yaw_rad - b.yaw_rad)};
 }
 
-/// The last estimate of a drive along `truth(i)`, the wheels saying `wheels(i)`.
+/// The last estimate of a drive along `truth(i)`, with wheels at `wheels(i)`.
 template <typename Truth, typename Wheels>
 LaserOdometryEstimate run(const Walls& walls,
                           int steps,
@@ -145,8 +145,8 @@ TEST(LaserScan, ABearingTellsWhenItsBeamIsFired) {
 }
 
 /// How far the yaw is off after ten turns on the spot, by a laser that sweeps for most of the time
-/// between two scans. \param told  whether its scans say so
-double errorOfTenTurns_rad(bool told) {
+/// between two scans. \param timed  whether its scans hold the times of their beams
+double errorOfTenTurns_rad(bool timed) {
   constexpr double kTurnRad = 0.05;
   constexpr double kSweepShare = 0.7;
   LaserOdometry odometry{LaserOdometryParameters()};
@@ -157,7 +157,7 @@ double errorOfTenTurns_rad(bool told) {
     const bool turns = step >= 2 && yaw_rad + kTurnRad < 20.0 * M_PI;
     LaserScan scan = scanWalls(room(), {0.0, 0.0, yaw_rad}, (step + 1) * kStepNs, {},
                                {0.0, 0.0, turns ? kSweepShare * kTurnRad : 0.0});
-    if (told) {
+    if (timed) {
       scan.time_increment_s =
           kSweepShare * 1e-9 * kStepNs / static_cast<double>(scan.ranges_m.size() - 1);
     }

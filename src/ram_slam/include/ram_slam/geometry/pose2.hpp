@@ -41,6 +41,9 @@ struct StampedPose2 {
   Pose2 pose;
 };
 
+/// a - b in x, y and yaw, in the axes of their common frame; the yaw in (-pi, pi].
+Eigen::Vector3d componentDifference(const Pose2& a, const Pose2& b);
+
 /// The pose reached by moving for unit time at a constant twist (x [m], y [m], yaw [rad]) from the
 /// origin.
 ///
@@ -56,8 +59,8 @@ Eigen::Vector3d logarithm(const Pose2& pose);
 Pose2 interpolate(const Pose2& a, const Pose2& b, double fraction);
 
 /// A motion carried on at its twist: what moved by `motion` within `interval_ns` moves by this
-/// within `duration_ns`. The identity if the interval is not positive or longer than 1 s: it then
-/// says nothing about the next instants.
+/// within `duration_ns`. The identity if the interval is not positive or longer than 1 s: its mean
+/// twist is then no information about the next instants.
 Pose2 continued(const Pose2& motion, std::int64_t interval_ns, std::int64_t duration_ns);
 
 /// A pose with uncertainty. The covariance's order is x, y, yaw [m^2, m rad, rad^2], in the axes of

@@ -8,9 +8,9 @@
 
 namespace ram_slam {
 
-/// A stream of random numbers fixed by a seed and up to two indices (say update and particle), so
-/// that the numbers a particle draws depend on nothing else: not on the thread, not on what others
-/// drew before.
+/// A stream of random numbers fixed by a seed and up to two indices (update and particle, for
+/// example), so that the numbers a particle draws depend on nothing else: not on the thread, not on
+/// what others drew before.
 ///
 /// SplitMix64 (Steele et al., OOPSLA 2014) started at a hash of the key. A
 /// UniformRandomBitGenerator.

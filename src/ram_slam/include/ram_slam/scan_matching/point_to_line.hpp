@@ -13,7 +13,9 @@ struct PairingLimits {
   double max_distance_m = 0.3;     ///< between a point and its partner
   double min_normal_cosine = 0.8;  ///< of the angle between the two normals
   double robust_scale_m = 0.03;    ///< residual at which a pair counts half (Cauchy)
-  std::size_t point_stride = 1;    ///< every how-many-th point of the source is used
+  /// Beams on each side of a point's own among which its partner is searched, at most.
+  double max_search_beams = 12.0;
+  std::size_t point_stride = 1;  ///< every how-many-th point of the source is used
 };
 
 /// Sum over point-to-line pairs of w r^2, with r = n . (T p - q), in the neighbourhood of T =
@@ -24,11 +26,11 @@ struct PointToLineSum {
   double cost_m2 = 0.0;  ///< sum of w r^2
   double weight = 0.0;   ///< sum of w
   std::size_t pair_count = 0;
-  std::size_t visible_count = 0;  ///< source points on lines that the target looks towards
+  std::size_t visible_count = 0;  ///< source points on lines within the target's field of view
 };
 
-/// Pairs each point of `source` with the nearest point of `target` about the beam that looks
-/// towards it, and sums the point-to-line residuals (Censi, ICRA 2008; the beam order replaces the
+/// Pairs each point of `source` with the nearest point of `target` about the beam in its
+/// direction, and sums the point-to-line residuals (Censi, ICRA 2008; the beam order replaces the
 /// search).
 PointToLineSum sumPointToLine(const SurfaceScan& target,
                               const SurfaceScan& source,

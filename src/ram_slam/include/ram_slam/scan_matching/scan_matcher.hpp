@@ -5,7 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "ram_parameters/parameter_reader.hpp"
+#include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/scan_matching/point_to_line.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
@@ -22,16 +23,17 @@ struct ScanMatcherParameters {
   double correlated_beams = 5.0;    ///< how many neighbouring readings share their error
   int max_iterations = 8;
   int max_points = 400;  ///< of the scan that are used, evenly spread
+  /// A step below this ends the iteration, once the gate is the last one.
+  MotionGate converged{2e-4, 5e-5};
+  /// A first step below this means that the guess was good: the last gate is used at once.
+  MotionGate good_guess{0.01, 0.005};
+  double gate_shrink = 0.6;        ///< the gate of an iteration over that of the one before
+  double max_search_beams = 12.0;  ///< to each side of a point's beam, among which its partner is
 
+  static const ram_parameters::ParameterTable<ScanMatcherParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };
-
-/// Reads the keys of both, as they stand in the file of each node that aligns scans. \throws
-/// std::invalid_argument for a wrong type
-void readScanMatching(ram_parameters::ParameterReader& reader,
-                      SurfaceParameters& surfaces,
-                      ScanMatcherParameters& matcher);
 
 /// A scan that another one is aligned with.
 struct ReferenceScan {
@@ -39,7 +41,7 @@ struct ReferenceScan {
   Pose2 map_from_laser;
 };
 
-/// What is known of a pose before the scan is looked at.
+/// What is known of a pose before the scan is used.
 struct PosePrior {
   Pose2 map_from_laser;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of x, y, yaw in the axes of the map
@@ -54,7 +56,7 @@ struct ScanMatch {
 };
 
 /// The pose of a scan that agrees best with the reference scans and the prior, from a first guess:
-/// Gauss-Newton on point-to-line distances with pairs chosen anew in each iteration.
+/// Gauss-Newton on point-to-line distances with new pairs in each iteration.
 ScanMatch matchScan(const SurfaceScan& scan,
                     const std::vector<ReferenceScan>& references,
                     const PosePrior& prior,

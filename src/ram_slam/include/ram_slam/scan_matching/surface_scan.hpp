@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam {
@@ -26,6 +27,12 @@ struct SurfaceParameters {
   double max_gap_m = 0.2;   ///< between neighbours; farther apart they are different things
   double max_line_deviation_m = 0.03;  ///< standard deviation of the neighbours from their line
   double max_range_m = 30.0;           ///< readings beyond are not used: too sparse to be lines
+  /// Gaps up to this many distances of neighbouring beams on a facing wall are none, either.
+  double max_gap_in_beams = 4.0;
+  int min_line_points = 4;           ///< neighbours that a line needs, the point itself included
+  double min_line_elongation = 3.0;  ///< deviation along the line over that across it
+
+  static const ram_parameters::ParameterTable<SurfaceParameters>& table();
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;

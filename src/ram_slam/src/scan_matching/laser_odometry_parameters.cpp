@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/scan_matching/laser_odometry_parameters.hpp"
+
+namespace ram_slam {
+
+using namespace ram_parameters;
+
+const ParameterTable<SlipParameters>& SlipParameters::table() {
+  using P = SlipParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("deviations", &P::deviations, "", positive(),
+               "The wheels slip if scans contradict them by more standard deviations than this.")
+          .add("prior_variance_factor", &P::prior_variance_factor, "", atLeast(1.0),
+               "By which the variance of the wheels' motion grows when they slip.")
+          .include(&P::jump,
+                   motionGateTable("Beyond this, and beyond the interval times the two greatest "
+                                   "speeds, a motion that scans show and wheels do not is a jump: "
+                                   "the wheels carry the pose on."),
+                   "jump_")
+          .add("max_speed_mps", &P::max_speed_mps, "m/s", positive(),
+               "Greatest speed of the robot, for jumps.")
+          .add("max_turn_speed_radps", &P::max_turn_speed_radps, "rad/s", positive(),
+               "Greatest speed of turning, for jumps.")
+          .include(&P::standing, motionGateTable("Wheels that move no farther stand still."),
+                   "standing_")
+          .include(&P::stuck,
+                   motionGateTable("Wheels that stand still are stuck if the robot moves farther "
+                                   "than this meanwhile."),
+                   "stuck_");
+  return table;
+}
+
+const ParameterTable<PoseSearchParameters>& PoseSearchParameters::table() {
+  using P = PoseSearchParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("resolution_m", &P::resolution_m, "m", positive(),
+               "Side of a cell of the likelihood grid.")
+          .add("deviation_m", &P::deviation_m, "m", positive(),
+               "Standard deviation of the readings in the likelihood grid.")
+          .add("levels", &P::levels, "", within(1, 8),
+               "Levels of the grid pyramid, each half as fine as the one before.")
+          .add("max_points", &P::max_points, "", atLeast(1),
+               "Points of a scan that are used, evenly spread.")
+          .add("min_score", &P::min_score, "", within(0.0, 1.0),
+               "Mean likelihood that a pose needs.")
+          .add("angle_step_rad", &P::angle_step_rad, "rad", positive(),
+               "Between the angles that are tried.")
+          .add("wide_angle_rad", &P::wide_angle_rad, "rad", positive(),
+               "Angle to each side of a second search, when the first has found nothing.");
+  return table;
+}
+
+const ParameterTable<ConstantSpeedParameters>& ConstantSpeedParameters::table() {
+  using P = ConstantSpeedParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("rest_deviation_m", &P::rest_deviation_m, "m", positive(),
+               "Standard deviation of the position after a very short interval.")
+          .add("rest_deviation_rad", &P::rest_deviation_rad, "rad", positive(),
+               "The same of the yaw.")
+          .add("max_interval_ratio", &P::max_interval_ratio, "", atLeast(0.0),
+               "The last motion is continued over at most so many of its intervals.");
+  return table;
+}
+
+const ParameterTable<LaserOdometryParameters>& LaserOdometryParameters::table() {
+  using P = LaserOdometryParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("odom_frame", &P::odom_frame, "Frame of the refined odometry.")
+          .add("base_frame", &P::base_frame, "Frame of the robot's base.")
+          .add("use_wheels", &P::use_wheels, "False: do not wait for wheel odometry.")
+          .include(&P::surfaces, SurfaceParameters::table())
+          .include(&P::matcher, ScanMatcherParameters::table())
+          .heading("Key scans")
+          .add("key_scan_distance_m", &P::key_scan_distance_m, "m", positive(),
+               "A new key scan after so much motion.")
+          .add("key_scan_angle_rad", &P::key_scan_angle_rad, "rad", positive(),
+               "A new key scan after so much turning.")
+          .add("key_scan_inlier_ratio", &P::key_scan_inlier_ratio, "", within(0.0, 1.0),
+               "A new key scan when a smaller share of a scan than this meets the last ones.")
+          .add("key_scan_count", &P::key_scan_count, "", atLeast(1), "How many are kept.")
+          .add("reference_count", &P::reference_count, "", anyNumber(),
+               "How many of them a scan is aligned with.")
+          .rule(&P::reference_count, "in [1, key_scan_count]",
+                [](const P& p) {
+                  return p.reference_count >= 1 && p.reference_count <= p.key_scan_count;
+                })
+          .heading("Standard deviation of the wheels' motion between two scans")
+          .add("wheel_rest_deviation_m", &P::wheel_rest_deviation_m, "m", positive(), "At rest.")
+          .add("wheel_rest_deviation_rad", &P::wheel_rest_deviation_rad, "rad", positive(),
+               "Of the yaw, at rest.")
+          .add("wheel_distance_deviation_m_per_m", &P::wheel_distance_deviation_m_per_m, "m/m",
+               positive(), "Growth with the distance.")
+          .add("wheel_yaw_deviation_rad_per_m", &P::wheel_yaw_deviation_rad_per_m, "rad/m",
+               positive(), "Growth of the yaw's with the distance.")
+          .add("wheel_yaw_deviation_rad_per_rad", &P::wheel_yaw_deviation_rad_per_rad, "rad/rad",
+               positive(), "Growth of the yaw's with the turn.")
+          .heading("Stamps of wheels and scans")
+          .add("max_stamp_offset_s", &P::max_stamp_offset_s, "s", within(0.0, 1.0),
+               "Greatest offset between the stamps of wheels and scans that is learned while "
+               "turning; 0: none.")
+          .heading("Change of speed of a robot without wheel odometry")
+          .add("acceleration_deviation_m_per_s2", &P::acceleration_deviation_m_per_s2, "m/s^2",
+               positive(), "Standard deviation of its acceleration.")
+          .add("yaw_acceleration_deviation_rad_per_s2", &P::yaw_acceleration_deviation_rad_per_s2,
+               "rad/s^2", positive(), "The same of the turn.")
+          .heading("Recovery")
+          .add("lost_inlier_ratio", &P::lost_inlier_ratio, "", within(0.0, 1.0),
+               "A match below this share of paired points is searched for.")
+          .add("search_distance_m", &P::search_distance_m, "m", positive(),
+               "Searched around the prediction, to each side.")
+          .add("search_angle_rad", &P::search_angle_rad, "rad", positive(),
+               "Searched around the prediction, to each side.")
+          .expert("When scans overrule the wheels")
+          .section("slip", &P::slip, SlipParameters::table())
+          .expert("Search for a lost pose")
+          .section("pose_search", &P::pose_search, PoseSearchParameters::table())
+          .expert("Motion without wheel odometry")
+          .section("constant_speed", &P::constant_speed, ConstantSpeedParameters::table())
+          .expert("Systematic errors of the wheels that are learned")
+          .section("wheel_bias", &P::wheel_bias, WheelBiasParameters::table())
+          .expert("Learning the offset of the stamps")
+          .section("stamp_offset", &P::stamp_offset, StampOffsetParameters::table());
+  return table;
+}
+
+void LaserOdometryParameters::validate() const {
+  table().check(*this);
+}
+
+LaserOdometryParameters readLaserOdometryParameters(ParameterReader& reader) {
+  return LaserOdometryParameters::table().readAll(reader);
+}
+
+}  // namespace ram_slam
