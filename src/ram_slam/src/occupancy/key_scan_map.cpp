@@ -2,21 +2,16 @@
 #include "ram_slam/occupancy/key_scan_map.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <string>
 
 namespace ram_slam {
 namespace {
 
-/// Corrections smaller than these leave a scan where it is: they would not move it by a fraction of
-/// a cell.
-constexpr double kNegligibleM = 0.002;
-constexpr double kNegligibleRad = 0.0005;
-
-bool differ(const Pose2& a, const Pose2& b, double distance_m, double angle_rad) {
-  return (a.translation() - b.translation()).norm() >= distance_m ||
-         std::abs(wrapAngle(a.yaw_rad - b.yaw_rad)) >= angle_rad;
+/// What a scan moves when its pose changes, in the axes of the map.
+Pose2 change(const Pose2& from, const Pose2& to) {
+  const Eigen::Vector3d difference = componentDifference(to, from);
+  return {difference.x(), difference.y(), difference.z()};
 }
 
 }  // namespace
@@ -38,10 +33,8 @@ bool KeyScanMap::add(const LaserScan& scan,
       throw std::invalid_argument("scan at " + std::to_string(scan.stamp_ns) +
                                   " ns is not later than the one before it");
     }
-    if (!differ(map_from_laser, last.wanted.map_from_laser, parameters_.key_distance_m,
-                parameters_.key_angle_rad)) {
-      return false;
-    }
+    const MotionGate key_scan{parameters_.key_distance_m, parameters_.key_angle_rad};
+    if (!key_scan.isReachedBy(change(last.wanted.map_from_laser, map_from_laser))) return false;
   }
   scans_.push_back({scan, base_from_laser, {map_from_laser, last_beam}, std::nullopt});
   if (scans_.size() > static_cast<std::size_t>(parameters_.max_scan_count)) {
@@ -62,7 +55,7 @@ int KeyScanMap::correct(const Trajectory& map_from_base) {
     if (!base && !corrected_from_old) continue;
     const Pose2 corrected = base ? *base * key.base_from_laser : *corrected_from_old * before;
     if (base) corrected_from_old = corrected * before.inverse();
-    const bool moves = differ(corrected, before, kNegligibleM, kNegligibleRad);
+    const bool moves = parameters_.redraw.isReachedBy(change(before, corrected));
     moved_count += moves ? 1 : 0;
     if (key.drawn && !moves) continue;
     key.wanted.map_from_laser = corrected;
@@ -83,9 +76,8 @@ BeamCounts KeyScanMap::draw(const DrawFailure& onFailure) {
 
 bool KeyScanMap::draw(KeyScan& key, BeamCounts& counts, const DrawFailure& onFailure) {
   if (key.drawn &&
-      !differ(key.wanted.map_from_laser, key.drawn->map_from_laser, kNegligibleM, kNegligibleRad)) {
+      !parameters_.redraw.isReachedBy(change(key.drawn->map_from_laser, key.wanted.map_from_laser)))
     return true;
-  }
   try {
     // First, so that the scan is lost nowhere if the map cannot grow.
     const BeamCounts added = mapper_.add(key.scan, key.wanted.map_from_laser, key.wanted.last_beam);

@@ -16,14 +16,14 @@
 namespace ram_slam {
 namespace {
 
+// Pixels and percentages of map_server's map_saver.
 constexpr char kOccupiedPixel = 0;
 constexpr char kFreePixel = static_cast<char>(254);
 constexpr char kUnknownPixel = static_cast<char>(205);
 constexpr int kOccupiedFromPercent = 65;
 constexpr int kFreeToPercent = 25;
-constexpr std::size_t kMaxCells = 100000000;
-constexpr std::size_t kMaxHeaderBytes = 65536;
-constexpr std::size_t kMaxYamlBytes = 65536;
+/// Of a yaml file, and of an image's header: a hundred times what they usually have.
+constexpr std::size_t kMaxTextBytes = 65536;
 
 /// Nine digits: what was read is written again as it was.
 std::string number(double value) {
@@ -37,7 +37,7 @@ char toPixel(std::int8_t cell) {
   return cell >= 0 && cell <= kFreeToPercent ? kFreePixel : kUnknownPixel;
 }
 
-/// What the yaml says.
+/// Content of the yaml.
 struct MapDescription {
   std::string image;
   double resolution_m = 0.0;
@@ -53,7 +53,7 @@ class DescriptionReader {
 public:
   explicit DescriptionReader(const std::string& path) : path_(path) {
     try {
-      map_ = YAML::Load(readWholeFile(path, kMaxYamlBytes));
+      map_ = YAML::Load(readWholeFile(path, kMaxTextBytes));
     } catch (const YAML::Exception& error) {
       throw std::runtime_error("reading " + path + ": " + error.what());
     }
@@ -190,7 +190,7 @@ private:
 
 Image readImage(const std::string& path) {
   Image image;
-  image.pixels = readWholeFile(path, kMaxCells + kMaxHeaderBytes);
+  image.pixels = readWholeFile(path, kMaxGridCells + kMaxTextBytes);
   PgmHeader header(image.pixels, path);
   image.width = header.readNumber("width");
   image.height = header.readNumber("height");
@@ -200,10 +200,11 @@ Image readImage(const std::string& path) {
   const std::size_t size =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
   if (size == 0) header.fail("it has no pixels");
-  if (size > kMaxCells) header.fail("it has more than " + std::to_string(kMaxCells) + " pixels");
+  if (size > kMaxGridCells)
+    header.fail("it has more than " + std::to_string(kMaxGridCells) + " pixels");
   if (image.pixels.size() - begin != size) {
-    header.fail("it has " + std::to_string(image.pixels.size() - begin) +
-                " pixels where its header says " + std::to_string(size));
+    header.fail("it has " + std::to_string(image.pixels.size() - begin) + " pixels, not " +
+                std::to_string(size) + " as in its header");
   }
   image.pixels.erase(0, begin);
   return image;

@@ -11,14 +11,10 @@
 namespace ram_slam {
 namespace {
 
+/// Cell indices of a millimetre then still fit in an int.
 constexpr double kFarthestPoseM = 1e6;
 /// Per beam [m], [rad]: what rounding makes of a laser at rest.
 constexpr double kNegligibleTwist = 1e-9;
-/// A beam clears the cells that it leaves at least this far before its end [cells]: a wall at a
-/// cell's edge is not cleared by the noise of its own hits. Less than half a cell, so that rounding
-/// cannot decide at exactly half.
-constexpr double kClearanceCells = 0.5 - 1e-6;
-
 /// Calls `change(first, length)` for the first bit and length of every run of set bits.
 template <typename Change>
 void forEachRun(std::uint64_t bits, Change change) {
@@ -94,16 +90,16 @@ void OccupancyMapper::remove(const LaserScan& scan,
   const ScanFootprint footprint = trace(scan, map_from_laser, last_beam).footprint;
   if (!holds(footprint)) throw std::invalid_argument("cannot remove a scan that was not added");
   ++revision_;
+  const std::uint32_t minus_one = ~std::uint32_t{0};  // unsigned numbers wrap around
   forEachTile(footprint.box(), [&](const TileIndex& index) {
     if (isEmpty(footprint, index)) return;
     const auto found = tiles_.find(index);
     Tile& tile = found->second;
     tile.revision = revision_;
-    constexpr std::uint32_t kMinusOne = ~std::uint32_t{0};
     for (int row = 0; row < kTileCells; ++row) {
       const std::uint64_t hit = footprint.hitRow(index, row);
-      count(footprint.freeRow(index, row) | hit, tile.visits.data() + row * kTileCells, kMinusOne);
-      count(hit, tile.hits.data() + row * kTileCells, kMinusOne);
+      count(footprint.freeRow(index, row) | hit, tile.visits.data() + row * kTileCells, minus_one);
+      count(hit, tile.hits.data() + row * kTileCells, minus_one);
     }
     if (std::any_of(tile.visits.begin(), tile.visits.end(), [](std::uint32_t n) { return n > 0; }))
       return;
@@ -243,7 +239,8 @@ std::vector<Beam> OccupancyMapper::beamsOf(const LaserScan& scan,
     direction = map_from_laser_rotation * direction;
     const double length = range_m / parameters_.resolution;
     beams.push_back({sensor + length * direction,
-                     sensor + std::max(0.0, length - kClearanceCells) * direction, hit});
+                     sensor + std::max(0.0, length - parameters_.clearance_cells) * direction,
+                     hit});
   }
   return beams;
 }

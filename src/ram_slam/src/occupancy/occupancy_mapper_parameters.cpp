@@ -1,67 +1,96 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
 
-#include <sstream>
-#include <stdexcept>
-
 namespace ram_slam {
+
+using namespace ram_parameters;
+
 namespace {
 
-/// Throws unless low <= value <= high; false for NaN.
-void require(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  std::ostringstream message;
-  message << name << " must be in [" << low << ", " << high << "], got " << value;
-  throw std::invalid_argument(message.str());
+bool isFrame(const std::string& name) {
+  return !name.empty() && name.front() != '/';
 }
 
-void requireFrame(const char* name, const std::string& frame) {
-  if (!frame.empty() && frame.front() != '/') return;
-  throw std::invalid_argument(std::string(name) +
-                              " must be a frame's name without leading slash, got '" + frame + "'");
+using P = OccupancyMapperParameters;
+
+/// What one scan contributes, and which scans are mapped.
+void addMapRows(ParameterTable<P>& table) {
+  table.heading("What a scan contributes")
+      .add("resolution", &P::resolution, "m", within(0.001, 10.0), "Edge of a cell.")
+      .add("max_range_m", &P::max_range_m, "m", within(0.001, 1000.0),
+           "Hits beyond it mark nothing, their beams clear up to it.")
+      .rule(&P::max_range_m, ">= resolution",
+            [](const P& p) { return p.max_range_m >= p.resolution; })
+      .add("clear_max_range_m", &P::clear_max_range_m, "m", atLeast(0.0),
+           "How far a beam that returned nothing (+Inf) clears; 0: not at all.")
+      .rule(&P::clear_max_range_m, "<= max_range_m",
+            [](const P& p) { return p.clear_max_range_m <= p.max_range_m; })
+      .add("occupied_threshold", &P::occupied_threshold, "", within(0.0, 0.99),
+           "A cell is occupied if more than this part of its visits were hits.")
+      .add("min_visits", &P::min_visits, "", within(1, 1000000),
+           "A cell that fewer scans saw is unknown.")
+      .add("max_cell_count", &P::max_cell_count, "", within(4096, 1000000000),
+           "Size limit: cells in the map's bounding box.")
+      .heading(
+          "Which scans are mapped: the first, and those before which the laser moved. They are "
+          "kept, so that the map can be drawn again when the trajectory is corrected")
+      .add("key_distance_m", &P::key_distance_m, "m", within(0.0, 10.0),
+           "Mapped if the laser moved this far since the last mapped scan; 0: every scan.")
+      .add("key_angle_rad", &P::key_angle_rad, "rad", within(0.0, 3.15),
+           "Mapped if the laser turned by this much since then; 0: every scan.")
+      .add("max_scan_count", &P::max_scan_count, "", within(1, 10000000),
+           "Scans kept; older ones stay in the map as they are.")
+      .expert("Drawing: details")
+      .add("clearance_cells", &P::clearance_cells, "cells", atLeast(0.0),
+           "A beam clears the cells that it leaves at least this far before its end: the noise of "
+           "hits does not clear a wall at a cell's edge.")
+      .include(&P::redraw,
+               motionGateTable("A scan stays where it is drawn if its pose changes by less: less "
+                               "than a fraction of a cell."),
+               "redraw_");
+}
+
+void addNodeRows(ParameterTable<P>& table) {
+  table.heading("Node")
+      .add("map_frame", &P::map_frame, "tf frame of the map.")
+      .rule(&P::map_frame, "a frame's name without leading slash",
+            [](const P& p) { return isFrame(p.map_frame); })
+      .add("base_frame", &P::base_frame,
+           "tf frame whose trajectory is corrected: the robot's base.")
+      .rule(&P::base_frame, "a frame's name without leading slash",
+            [](const P& p) { return isFrame(p.base_frame); })
+      .add("map_folder", &P::map_folder,
+           "Where the service save_map writes; a leading ~ is the home folder.")
+      .rule(&P::map_folder, "not empty", [](const P& p) { return !p.map_folder.empty(); })
+      .add("publish_period_s", &P::publish_period_s, "s", within(0.1, 3600.0),
+           "Between publications of the whole map.")
+      .add("update_period_s", &P::update_period_s, "s", within(0.05, 3600.0),
+           "Between publications of what changed.")
+      .add("transform_timeout_s", &P::transform_timeout_s, "s", within(0.0, 60.0),
+           "How long a scan waits for its pose, wall time.")
+      .add(
+          "follow_trajectory", &P::follow_trajectory,
+          "Draw the map again along every `trajectory` of the estimator, not only corrected ones.");
 }
 
 }  // namespace
 
-void OccupancyMapperParameters::validate() const {
-  require("resolution", resolution, 0.001, 10.0);
-  require("max_range_m", max_range_m, resolution, 1000.0);
-  require("clear_max_range_m", clear_max_range_m, 0.0, max_range_m);
-  require("occupied_threshold", occupied_threshold, 0.0, 0.99);
-  require("min_visits", min_visits, 1, 1000000);
-  require("max_cell_count", max_cell_count, 4096, 1000000000);
-  require("key_distance_m", key_distance_m, 0.0, 10.0);
-  require("key_angle_rad", key_angle_rad, 0.0, 3.15);
-  require("max_scan_count", max_scan_count, 1, 10000000);
-  require("publish_period_s", publish_period_s, 0.1, 3600.0);
-  require("update_period_s", update_period_s, 0.05, 3600.0);
-  require("transform_timeout_s", transform_timeout_s, 0.0, 60.0);
-  requireFrame("map_frame", map_frame);
-  requireFrame("base_frame", base_frame);
-  if (map_folder.empty()) throw std::invalid_argument("map_folder must not be empty");
+const ParameterTable<OccupancyMapperParameters>& OccupancyMapperParameters::table() {
+  static const auto table = [] {
+    ParameterTable<P> rows;
+    addMapRows(rows);
+    addNodeRows(rows);
+    return rows;
+  }();
+  return table;
 }
 
-OccupancyMapperParameters readOccupancyMapperParameters(ram_parameters::ParameterReader& reader) {
-  OccupancyMapperParameters parameters;
-  reader.read("resolution", parameters.resolution);
-  reader.read("max_range_m", parameters.max_range_m);
-  reader.read("clear_max_range_m", parameters.clear_max_range_m);
-  reader.read("occupied_threshold", parameters.occupied_threshold);
-  reader.read("min_visits", parameters.min_visits);
-  reader.read("max_cell_count", parameters.max_cell_count);
-  reader.read("key_distance_m", parameters.key_distance_m);
-  reader.read("key_angle_rad", parameters.key_angle_rad);
-  reader.read("max_scan_count", parameters.max_scan_count);
-  reader.read("map_frame", parameters.map_frame);
-  reader.read("base_frame", parameters.base_frame);
-  reader.read("map_folder", parameters.map_folder);
-  reader.read("publish_period_s", parameters.publish_period_s);
-  reader.read("update_period_s", parameters.update_period_s);
-  reader.read("transform_timeout_s", parameters.transform_timeout_s);
-  reader.read("follow_trajectory", parameters.follow_trajectory);
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
+void OccupancyMapperParameters::validate() const {
+  table().check(*this);
+}
+
+OccupancyMapperParameters readOccupancyMapperParameters(ParameterReader& reader) {
+  return OccupancyMapperParameters::table().readAll(reader);
 }
 
 }  // namespace ram_slam

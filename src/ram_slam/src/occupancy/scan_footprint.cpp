@@ -7,8 +7,9 @@
 namespace ram_slam {
 namespace {
 
+/// Of a column in fixed point: half a 64-bit number, so that 2^31 columns fit.
 constexpr int kFractionBits = 32;
-constexpr double kFixedPointOne = 4294967296.0;
+constexpr double kFixedPointOne = static_cast<double>(std::int64_t{1} << kFractionBits);
 
 TileIndex tileOf(const Eigen::Vector2d& point_cells) {
   return {static_cast<int>(std::floor(point_cells.x() / kTileCells)),

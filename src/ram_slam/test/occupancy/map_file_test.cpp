@@ -129,8 +129,8 @@ TEST_F(MapFileTest, ImagesThatAreNotWholeAreRefusedWithAReason) {
       {"P5\n0 5\n255\n", "no pixels"},
       {"P5\n100000 100000\n255\nx", "more than"},
       {"P5\n99999999999 1\n255\nx", "too large"},
-      {"P5\n2 2\n255\nxyz", "3 pixels where its header says 4"},
-      {"P5\n2 2\n255\nxyzab", "5 pixels where its header says 4"},
+      {"P5\n2 2\n255\nxyz", "3 pixels, not 4 as in its header"},
+      {"P5\n2 2\n255\nxyzab", "5 pixels, not 4 as in its header"},
   };
   for (const auto& [image, reason] : images) {
     write("map.pgm", image);

@@ -350,42 +350,5 @@ TEST(OccupancyMapper, MapNeverGrowsBeyondItsCap) {
   EXPECT_THROW(fine.add(randomScan(1), {}), std::length_error);
 }
 
-TEST(OccupancyMapperParameters, ShippedFileHasTheDefaults) {
-  ram_parameters::ParameterReader reader(
-      ram_parameters::readYamlFile(CONFIG_FOLDER "/occupancy_mapper.yaml"), "shipped");
-  const OccupancyMapperParameters shipped = readOccupancyMapperParameters(reader);
-  const OccupancyMapperParameters defaults;
-  EXPECT_EQ(shipped.resolution, defaults.resolution);
-  EXPECT_EQ(shipped.max_range_m, defaults.max_range_m);
-  EXPECT_EQ(shipped.clear_max_range_m, defaults.clear_max_range_m);
-  EXPECT_EQ(shipped.occupied_threshold, defaults.occupied_threshold);
-  EXPECT_EQ(shipped.min_visits, defaults.min_visits);
-  EXPECT_EQ(shipped.max_cell_count, defaults.max_cell_count);
-  EXPECT_EQ(shipped.key_distance_m, defaults.key_distance_m);
-  EXPECT_EQ(shipped.key_angle_rad, defaults.key_angle_rad);
-  EXPECT_EQ(shipped.max_scan_count, defaults.max_scan_count);
-  EXPECT_EQ(shipped.map_frame, defaults.map_frame);
-  EXPECT_EQ(shipped.base_frame, defaults.base_frame);
-  EXPECT_EQ(shipped.map_folder, defaults.map_folder);
-  EXPECT_EQ(shipped.publish_period_s, defaults.publish_period_s);
-  EXPECT_EQ(shipped.update_period_s, defaults.update_period_s);
-  EXPECT_EQ(shipped.transform_timeout_s, defaults.transform_timeout_s);
-  EXPECT_EQ(shipped.follow_trajectory, defaults.follow_trajectory);
-}
-
-TEST(OccupancyMapperParameters, AreReadWholeOrRefused) {
-  ram_parameters::ParameterReader good(YAML::Load("{resolution: 0.1, min_visits: 2}"), "test");
-  const OccupancyMapperParameters parameters = readOccupancyMapperParameters(good);
-  EXPECT_EQ(parameters.resolution, 0.1);
-  EXPECT_EQ(parameters.min_visits, 2);
-  for (const char* yaml :
-       {"{resolution: 0}", "{resolution: -0.05}", "{resolution: .nan}", "{resolution: fine}",
-        "{min_visits: 0}", "{occupied_threshold: 1.5}", "{clear_max_range_m: 100.0}",
-        "{map_frame: /map}", "{resolutoin: 0.05}"}) {
-    ram_parameters::ParameterReader bad(YAML::Load(yaml), "test");
-    EXPECT_THROW(readOccupancyMapperParameters(bad), std::invalid_argument) << yaml;
-  }
-}
-
 }  // namespace
 }  // namespace ram_slam

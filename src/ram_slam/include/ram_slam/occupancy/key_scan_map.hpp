@@ -36,7 +36,7 @@ public:
            const Pose2& base_from_laser,
            const Pose2& last_beam = {});
 
-  /// Moves the kept scans to where a corrected trajectory of the base says they were taken. Scans
+  /// Moves the kept scans to where they were taken by a corrected trajectory of the base. Scans
   /// before its start stay; scans after its end move rigidly with the last one inside. \return how
   /// many scans moved \throws std::invalid_argument as validate(Trajectory)
   int correct(const Trajectory& map_from_base);

@@ -16,7 +16,7 @@ struct MapFile {
 
 /// Contents of the files as map_saver writes them: cells of 65 % and more are occupied, of 0 to 25
 /// % free. \param image_name  what the yaml calls the pgm \throws std::invalid_argument if the grid
-/// has no cells or not as many as it says
+/// has no cells or not width x height of them
 MapFile toMapFile(const OccupancyGrid& grid, const std::string& image_name);
 
 /// Writes `stem`.pgm and `stem`.yaml, each in one step (writeFileAtomically()).

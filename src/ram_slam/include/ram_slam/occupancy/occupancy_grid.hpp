@@ -15,6 +15,9 @@ constexpr std::int8_t kUnknownCell = -1;
 constexpr std::int8_t kFreeCell = 0;
 constexpr std::int8_t kOccupiedCell = 100;
 
+/// Most cells of one grid that is read or kept: 100 MB in memory, as a message and as an image.
+constexpr std::size_t kMaxGridCells = 100'000'000;
+
 /// A map as consumers know it (nav_msgs/OccupancyGrid): one value per cell, row-major, x fastest,
 /// from the lower left.
 struct OccupancyGrid {

@@ -3,13 +3,14 @@
 
 #include <string>
 
-#include "ram_parameters/parameter_reader.hpp"
+#include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/geometry/motion_gate.hpp"
 
 namespace ram_slam {
 
 /// Settings of occupancy mapping, in process and as a node.
 struct OccupancyMapperParameters {
-  // What a scan says about cells.
+  // What a scan contributes.
   double resolution = 0.05;   ///< edge of a cell [m]
   double max_range_m = 30.0;  ///< hits beyond it mark nothing; their beam clears up to it
   double clear_max_range_m =
@@ -26,6 +27,13 @@ struct OccupancyMapperParameters {
   int max_scan_count =
       10000;  ///< scans kept for re-rendering; older ones stay in the map as they are
 
+  /// A beam clears the cells that it leaves at least this far before its end: a wall at a cell's
+  /// edge is not cleared by the noise of its own hits. Less than half a cell, so that rounding
+  /// cannot decide at exactly half.
+  double clearance_cells = 0.5 - 1e-6;
+  /// A scan stays where it is drawn if its pose changes by less: less than a fraction of a cell.
+  MotionGate redraw{0.002, 0.0005};
+
   // The node only.
   std::string map_frame = "map";
   std::string base_frame = "base_link";  ///< the frame whose trajectory is corrected
@@ -37,6 +45,7 @@ struct OccupancyMapperParameters {
   bool follow_trajectory =
       false;  ///< also re-render along every `trajectory`, not only corrected ones
 
+  static const ram_parameters::ParameterTable<OccupancyMapperParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };
