@@ -13,18 +13,7 @@
 namespace ram_slam {
 namespace {
 
-// A motion ends when the robot has moved this far, or turned by so much.
-constexpr double kIntervalM = 0.5;
-constexpr double kIntervalRad = 0.3;
-constexpr std::int64_t kLongestIntervalNs = 5'000'000'000;
-constexpr std::size_t kLeastIntervals = 20;
-constexpr std::size_t kLeastTurns = 10;
-constexpr double kTurnRad = 0.1;  // from here on a motion is a turn
-constexpr double kMostOffsetS = 0.5;
-constexpr double kOffsetStepS = 0.02;
-constexpr double kOutlier = 4.0;      // robust standard deviations
-constexpr double kLeastScale = 1e-4;  // of an error [m, rad]: what agrees exactly is no outlier
-constexpr int kRounds = 3;
+using Parameters = MountCalibrationParameters;
 
 /// The same stretch of the drive by both.
 struct Interval {
@@ -35,25 +24,27 @@ struct Interval {
   bool used = true;
 };
 
-std::vector<Interval> cutIntoIntervals(const Trajectory& map_from_laser) {
+std::vector<Interval> cutIntoIntervals(const Trajectory& map_from_laser,
+                                       const Parameters& parameters) {
+  const auto max_interval_ns =
+      static_cast<std::int64_t>(std::llround(parameters.max_interval_s * 1e9));
   std::vector<Interval> intervals;
   std::size_t first = 0;
   for (std::size_t i = 1; i < map_from_laser.size(); ++i) {
     const std::int64_t from_ns = map_from_laser[first].stamp_ns;
-    if (map_from_laser[i].stamp_ns - from_ns > kLongestIntervalNs) {
+    if (map_from_laser[i].stamp_ns - from_ns > max_interval_ns) {
       first = i;
       continue;
     }
     const Pose2 motion = map_from_laser[first].pose.inverse() * map_from_laser[i].pose;
-    if (motion.translation().norm() < kIntervalM && std::abs(motion.yaw_rad) < kIntervalRad)
-      continue;
+    if (!parameters.interval.isReachedBy(motion)) continue;
     intervals.push_back({from_ns, map_from_laser[i].stamp_ns, motion, {}, true});
     first = i;
   }
   return intervals;
 }
 
-/// Fills in what the odometry says; intervals that it does not cover are dropped.
+/// Fills in the motions of the odometry; intervals that it does not cover are dropped.
 std::vector<Interval> withOdometry(const std::vector<Interval>& intervals,
                                    const Trajectory& odom_from_base,
                                    double offset_s) {
@@ -75,22 +66,26 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-bool isTurn(const Interval& interval) {
-  return std::abs(interval.laser.yaw_rad) >= kTurnRad;
+bool isTurn(const Interval& interval, const Parameters& parameters) {
+  return std::abs(interval.laser.yaw_rad) >= parameters.turn_rad;
 }
 
 /// Leaves out the intervals whose errors are far beyond those of the others of their kind: turns
 /// agree less well than straight ways, and are not to be lost for it.
-void markOutliers(std::vector<Interval>& intervals, const std::vector<double>& errors) {
+void markOutliers(std::vector<Interval>& intervals,
+                  const std::vector<double>& errors,
+                  const Parameters& parameters) {
   for (const bool turn : {false, true}) {
     std::vector<double> of_kind;
     for (std::size_t i = 0; i < intervals.size(); ++i) {
-      if (isTurn(intervals[i]) == turn) of_kind.push_back(errors[i]);
+      if (isTurn(intervals[i], parameters) == turn) of_kind.push_back(errors[i]);
     }
     if (of_kind.empty()) continue;
-    const double limit = kOutlier * std::max(kLeastScale, 1.4826 * median(of_kind));
+    // 1.4826 median absolute errors are one standard deviation of a normal distribution.
+    const double limit = parameters.outlier_deviations *
+                         std::max(parameters.min_deviation, 1.4826 * median(of_kind));
     for (std::size_t i = 0; i < intervals.size(); ++i) {
-      if (isTurn(intervals[i]) == turn) intervals[i].used = errors[i] <= limit;
+      if (isTurn(intervals[i], parameters) == turn) intervals[i].used = errors[i] <= limit;
     }
   }
 }
@@ -102,14 +97,15 @@ struct Turns {
 };
 
 /// By the turns among some intervals; nothing if there are too few.
-std::optional<Turns> compareTurns(std::vector<Interval> intervals) {
-  intervals.erase(std::remove_if(intervals.begin(), intervals.end(),
-                                 [](const Interval& interval) { return !isTurn(interval); }),
-                  intervals.end());
-  if (intervals.size() < kLeastTurns) return std::nullopt;
+std::optional<Turns> compareTurns(std::vector<Interval> intervals, const Parameters& parameters) {
+  intervals.erase(
+      std::remove_if(intervals.begin(), intervals.end(),
+                     [&](const Interval& interval) { return !isTurn(interval, parameters); }),
+      intervals.end());
+  if (intervals.size() < static_cast<std::size_t>(parameters.min_turns)) return std::nullopt;
   Turns turns;
   std::vector<double> errors(intervals.size(), 0.0);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < parameters.rounds; ++round) {
     double products = 0.0;
     double squares = 1e-12;
     double residuals = 0.0;
@@ -128,18 +124,21 @@ std::optional<Turns> compareTurns(std::vector<Interval> intervals) {
           wrapAngle(intervals[i].laser.yaw_rad - turns.ratio * intervals[i].odometry.yaw_rad));
     }
     turns.error = median(errors);
-    markOutliers(intervals, errors);
+    markOutliers(intervals, errors, parameters);
   }
   return turns;
 }
 
 /// The offset at which the yaws agree best, between the steps by a parabola.
-double findOffset(const std::vector<Interval>& intervals, const Trajectory& odom_from_base) {
-  const int steps = static_cast<int>(std::lround(kMostOffsetS / kOffsetStepS));
+double findOffset(const std::vector<Interval>& intervals,
+                  const Trajectory& odom_from_base,
+                  const Parameters& parameters) {
+  const double step_s = parameters.offset_step_s;
+  const int steps = static_cast<int>(std::lround(parameters.max_offset_s / step_s));
   std::vector<double> errors;
   for (int i = -steps; i <= steps; ++i) {
-    const auto shifted = withOdometry(intervals, odom_from_base, i * kOffsetStepS);
-    const auto turns = compareTurns(shifted);
+    const auto shifted = withOdometry(intervals, odom_from_base, i * step_s);
+    const auto turns = compareTurns(shifted, parameters);
     errors.push_back(turns ? turns->error : std::numeric_limits<double>::infinity());
   }
   const auto best = std::min_element(errors.begin(), errors.end()) - errors.begin();
@@ -151,7 +150,7 @@ double findOffset(const std::vector<Interval>& intervals, const Trajectory& odom
     const double curvature = before - 2.0 * here + after;
     if (std::isfinite(curvature) && curvature > 0.0) fraction = 0.5 * (before - after) / curvature;
   }
-  return (static_cast<double>(best) - steps + fraction) * kOffsetStepS;
+  return (static_cast<double>(best) - steps + fraction) * step_s;
 }
 
 using Rows = Eigen::Matrix<double, 2, 5>;
@@ -189,60 +188,104 @@ std::optional<Unknowns> solve(const Normal& normal) {
   return unknowns;
 }
 
+struct Fit {
+  Unknowns unknowns = Unknowns::Zero();
+  Normal normal = Normal::Zero();
+  double squares = 0.0;  ///< of the errors of the motions that are used
+  std::size_t used = 0;
+};
+
+/// Least squares over several rounds, each without the outliers of the round before.
+std::optional<Fit> fitMount(std::vector<Interval>& intervals, const Parameters& parameters) {
+  Fit fit;
+  for (int round = 0; round < parameters.rounds; ++round) {
+    fit.normal.setZero();
+    for (const Interval& interval : intervals) {
+      if (interval.used) fit.normal += equation(interval).transpose() * equation(interval);
+    }
+    const auto solution = solve(fit.normal);
+    if (!solution) return std::nullopt;
+    fit.unknowns = *solution;
+    std::vector<double> errors;
+    fit.squares = 0.0;
+    fit.used = 0;
+    for (const Interval& interval : intervals) {
+      errors.push_back((equation(interval) * fit.unknowns).norm());
+      if (!interval.used) continue;
+      fit.squares += errors.back() * errors.back();
+      ++fit.used;
+    }
+    if (round + 1 < parameters.rounds) markOutliers(intervals, errors, parameters);
+  }
+  return fit;
+}
+
+/// Standard deviations of (t_x, t_y, d, yaw).
+Eigen::Vector4d deviations(const Fit& fit) {
+  // The derivative of (c, s) by the yaw is (-s, c).
+  Eigen::Matrix<double, 5, 4> tangent = Eigen::Matrix<double, 5, 4>::Zero();
+  tangent.topLeftCorner<3, 3>().setIdentity();
+  tangent.bottomRightCorner<2, 1>() << -fit.unknowns[4], fit.unknowns[3];
+  const Eigen::Matrix4d information = tangent.transpose() * fit.normal * tangent;
+  const double variance =
+      fit.squares / static_cast<double>(std::max<std::size_t>(2 * fit.used, 5) - 4);
+  return (variance * information.inverse()).diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
 }  // namespace
 
+const ram_parameters::ParameterTable<MountCalibrationParameters>&
+MountCalibrationParameters::table() {
+  using namespace ram_parameters;
+  using P = MountCalibrationParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .include(&P::interval,
+                   motionGateTable("Motion over which wheels and scans are compared."), "interval_")
+          .add("max_interval_s", &P::max_interval_s, "s", positive(),
+               "A motion that takes longer is not used.")
+          .add("min_intervals", &P::min_intervals, "", atLeast(3),
+               "Fewer motions give no calibration.")
+          .add("min_turns", &P::min_turns, "", atLeast(1), "Fewer turns give no calibration.")
+          .add("turn_rad", &P::turn_rad, "rad", positive(), "A motion with this angle is a turn.")
+          .add("max_offset_s", &P::max_offset_s, "s", atLeast(0.0),
+               "Greatest offset of the stamps, to each side.")
+          .add("offset_step_s", &P::offset_step_s, "s", positive(),
+               "Between the offsets that are tried.")
+          .add("outlier_deviations", &P::outlier_deviations, "", positive(),
+               "Motions whose error is beyond so many robust standard deviations are left out.")
+          .add("min_deviation", &P::min_deviation, "m, rad", positive(),
+               "Least robust standard deviation: motions that agree exactly have no outliers.")
+          .add("rounds", &P::rounds, "", atLeast(1),
+               "Fits by least squares, each without the outliers of the one before.");
+  return table;
+}
+
 std::optional<MountCalibration> calibrateMount(const Trajectory& odom_from_base,
-                                               const Trajectory& map_from_laser) {
+                                               const Trajectory& map_from_laser,
+                                               const MountCalibrationParameters& parameters) {
   validate(odom_from_base);
   validate(map_from_laser);
-  const std::vector<Interval> cut = cutIntoIntervals(map_from_laser);
-  if (cut.size() < kLeastIntervals) return std::nullopt;
+  const auto min_intervals = static_cast<std::size_t>(parameters.min_intervals);
+  const std::vector<Interval> cut = cutIntoIntervals(map_from_laser, parameters);
+  if (cut.size() < min_intervals) return std::nullopt;
   MountCalibration calibration;
-  calibration.stamp_offset_s = findOffset(cut, odom_from_base);
+  calibration.stamp_offset_s = findOffset(cut, odom_from_base, parameters);
   std::vector<Interval> intervals = withOdometry(cut, odom_from_base, calibration.stamp_offset_s);
-  if (intervals.size() < kLeastIntervals) return std::nullopt;
-  const auto turns = compareTurns(intervals);
+  if (intervals.size() < min_intervals) return std::nullopt;
+  const auto turns = compareTurns(intervals, parameters);
   if (!turns) return std::nullopt;
   calibration.turn_ratio = turns->ratio;
   calibration.turn_ratio_sigma = turns->ratio_sigma;
 
-  Unknowns unknowns = Unknowns::Zero();
-  Normal normal = Normal::Zero();
-  double squares = 0.0;
-  std::size_t used = 0;
-  for (int round = 0; round < kRounds; ++round) {
-    normal.setZero();
-    for (const Interval& interval : intervals) {
-      if (interval.used) normal += equation(interval).transpose() * equation(interval);
-    }
-    const auto solution = solve(normal);
-    if (!solution) return std::nullopt;
-    unknowns = *solution;
-    std::vector<double> errors;
-    squares = 0.0;
-    used = 0;
-    for (const Interval& interval : intervals) {
-      errors.push_back((equation(interval) * unknowns).norm());
-      if (!interval.used) continue;
-      squares += errors.back() * errors.back();
-      ++used;
-    }
-    if (round + 1 < kRounds) markOutliers(intervals, errors);
-  }
-  const double yaw_rad = std::atan2(unknowns[4], unknowns[3]);
-  calibration.base_from_laser = {unknowns[0], unknowns[1], yaw_rad};
-  calibration.distance_ratio = unknowns[2];
+  const auto fit = fitMount(intervals, parameters);
+  if (!fit) return std::nullopt;
+  const double yaw_rad = std::atan2(fit->unknowns[4], fit->unknowns[3]);
+  calibration.base_from_laser = {fit->unknowns[0], fit->unknowns[1], yaw_rad};
+  calibration.distance_ratio = fit->unknowns[2];
   calibration.interval_count = intervals.size();
-  calibration.slip_count = intervals.size() - used;
-
-  // In (t_x, t_y, d, yaw): the derivative of (c, s) by the yaw is (-s, c).
-  Eigen::Matrix<double, 5, 4> tangent = Eigen::Matrix<double, 5, 4>::Zero();
-  tangent.topLeftCorner<3, 3>().setIdentity();
-  tangent.bottomRightCorner<2, 1>() << -unknowns[4], unknowns[3];
-  const Eigen::Matrix4d information = tangent.transpose() * normal * tangent;
-  const double variance = squares / static_cast<double>(std::max<std::size_t>(2 * used, 5) - 4);
-  const Eigen::Vector4d sigma =
-      (variance * information.inverse()).diagonal().cwiseMax(0.0).cwiseSqrt();
+  calibration.slip_count = intervals.size() - fit->used;
+  const Eigen::Vector4d sigma = deviations(*fit);
   calibration.mount_sigma << sigma[0], sigma[1], sigma[3];
   calibration.distance_ratio_sigma = sigma[2];
   return calibration;

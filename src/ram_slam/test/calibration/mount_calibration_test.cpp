@@ -37,14 +37,14 @@ struct Drive {
 /// Scans at 10 Hz whose stamps are too early by `offset_s`, odometry at 50 Hz with scale errors.
 Drive drive(double duration_s, double offset_s, double noise_m) {
   Drive drive;
-  Pose2 told;
+  Pose2 measured;
   for (double time_s = 0.0; time_s < duration_s; time_s += 0.02) {
     if (!drive.odometry.empty()) {
       const Pose2 motion = baseAt(time_s - 0.02).inverse() * baseAt(time_s);
-      told = told * Pose2{motion.x_m / kDistanceRatio, motion.y_m / kDistanceRatio,
-                          motion.yaw_rad / kTurnRatio};
+      measured = measured * Pose2{motion.x_m / kDistanceRatio, motion.y_m / kDistanceRatio,
+                                  motion.yaw_rad / kTurnRatio};
     }
-    drive.odometry.push_back({toNs(100.0 + time_s), told});
+    drive.odometry.push_back({toNs(100.0 + time_s), measured});
   }
   Random random(5);
   for (double time_s = 1.0; time_s < duration_s - 1.0; time_s += 0.1) {
@@ -68,7 +68,7 @@ TEST(MountCalibration, FindsMountScalesAndOffset) {
   EXPECT_NEAR(found->stamp_offset_s, 0.13, 5e-3);
 }
 
-TEST(MountCalibration, SaysHowCertainItIs) {
+TEST(MountCalibration, ReportsItsUncertainty) {
   const Drive noisy = drive(200.0, 0.0, 0.005);
   const auto found = calibrateMount(noisy.odometry, noisy.laser);
   ASSERT_TRUE(found);
@@ -96,7 +96,7 @@ TEST(MountCalibration, LeavesOutWhereTheWheelsSlip) {
   EXPECT_GE(found->slip_count, 2U);
 }
 
-TEST(MountCalibration, SaysNothingOfARobotThatHardlyMoves) {
+TEST(MountCalibration, IsNoneOfARobotThatHardlyMoves) {
   const Drive brief = drive(4.0, 0.0, 0.0);
   EXPECT_FALSE(calibrateMount(brief.odometry, brief.laser));
   EXPECT_FALSE(calibrateMount({}, {}));

@@ -34,7 +34,7 @@ LaserScan roomScan(double half_length_m, double half_width_m, const Pose2& room_
   return scan;
 }
 
-TEST(LaserView, TellsHiddenVisibleAndEmpty) {
+TEST(LaserView, DistinguishesHiddenVisibleAndEmpty) {
   const LaserView view(roomScan(5.0, 3.0, {}), {});
   EXPECT_EQ(view.look({4.95, 0.0}), Sight::kVisible);
   EXPECT_EQ(view.look({3.0, 0.0}), Sight::kEmpty);
@@ -43,7 +43,7 @@ TEST(LaserView, TellsHiddenVisibleAndEmpty) {
   EXPECT_EQ(view.look({29.8, 0.0}), Sight::kHidden);  // at the end of its range
 }
 
-TEST(LaserView, SaysNothingThroughBeamsThatSayNothing) {
+TEST(LaserView, HidesPointsBehindInvalidReadings) {
   LaserScan scan = roomScan(5.0, 3.0, {});
   scan.ranges_m[kBeams / 2] = std::numeric_limits<float>::quiet_NaN();
   const LaserView view(scan, {});

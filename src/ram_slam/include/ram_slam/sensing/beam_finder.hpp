@@ -7,8 +7,8 @@
 
 namespace ram_slam {
 
-/// Finds the beam of a scan that looks towards a place, to 2e-4 rad, without a branch: loops over
-/// many places run on vectors.
+/// Finds the beam of a scan in the direction of a point, to 2e-4 rad, without a branch: loops over
+/// many points run on vectors.
 class BeamFinder {
 public:
   BeamFinder(double angle_min_rad, double angle_increment_rad, std::size_t beam_count)
@@ -17,7 +17,7 @@ public:
         beams_per_turn_(static_cast<float>(2.0 * M_PI / std::abs(angle_increment_rad))),
         beam_count_(static_cast<float>(beam_count)) {}
 
-  /// The beam's index, or -1 if none looks there. In the laser's frame.
+  /// The beam's index, or -1 if none has that direction. In the laser's frame.
   std::int32_t beamTowards(float x_m, float y_m) const {
     float beam = (roughBearing(y_m, x_m) - angle_min_rad_) * beams_per_rad_ + 0.5F;
     const float turned_on = beam + beams_per_turn_;

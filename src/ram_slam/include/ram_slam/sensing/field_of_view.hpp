@@ -6,13 +6,14 @@
 
 #include <Eigen/Core>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/sensing/beam_finder.hpp"
 #include "ram_slam/sensing/laser_scan.hpp"
 
 namespace ram_slam {
 
-/// What a sensor says about a point at which something is believed to be.
+/// What a sensor observed of a point at which something is believed to be.
 enum class Sight {
   kHidden,   ///< out of view or behind something: no information
   kVisible,  ///< something is there or close to it: what is believed to be there should have been
@@ -33,7 +34,7 @@ public:
   /// corners.
   virtual bool showsEverySide() const { return false; }
   /// Some of the points at which the sensor saw something, spread evenly over the view; none if the
-  /// sensor cannot tell.
+  /// sensor does not measure them.
   virtual const std::vector<Eigen::Vector2d>& surface_m() const;
 };
 
@@ -45,16 +46,30 @@ std::optional<double> discontinuity(const FieldOfView& before,
                                     const FieldOfView& now,
                                     const Pose2& before_from_now);
 
+/// Settings of LaserView.
+struct LaserViewParameters {
+  double margin_at_max_range_m = 0.5;  ///< corners at the edge of the range are seldom found
+  double blocked_m = 0.2;              ///< a reading this much nearer than a point hides it
+  double passed_m = 0.3;     ///< a reading this much farther means that nothing is at the point
+  int beams_beside = 1;      ///< on each side of a point's own beam that must agree with it
+  int surface_points = 180;  ///< of surface_m(), about
+
+  static const ram_parameters::ParameterTable<LaserViewParameters>& table();
+};
+
 /// The view of a planar lidar.
 class LaserView : public FieldOfView {
 public:
   /// \throws std::invalid_argument as LaserScan::validate()
-  LaserView(const LaserScan& scan, const Pose2& base_from_laser);
+  LaserView(const LaserScan& scan,
+            const Pose2& base_from_laser,
+            const LaserViewParameters& parameters = {});
   Sight look(const Eigen::Vector2d& point_in_base_m) const override;
   double range_m() const override;
   const std::vector<Eigen::Vector2d>& surface_m() const override { return surface_m_; }
 
 private:
+  LaserViewParameters parameters_;
   LaserScan scan_;
   BeamFinder finder_;
   Eigen::Matrix2d base_from_laser_rotation_;

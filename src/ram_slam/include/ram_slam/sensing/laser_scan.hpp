@@ -11,7 +11,7 @@
 
 namespace ram_slam {
 
-/// What a range reading says (REP 117).
+/// What a range reading means (REP 117).
 enum class Return {
   kHit,       ///< something at that range
   kNothing,   ///< +Inf: nothing within the sensor's range
