@@ -6,14 +6,11 @@
 namespace ram_slam {
 namespace {
 
-/// Of height, roll and pitch, as in messages: nothing is known.
-constexpr double kUnknownVariance = 1e6;
-
 SpatialPose placeOf(const LandmarkEstimate& landmark) {
   SpatialPose pose;
   pose.position_m.head<2>() = landmark.mean_m;
   pose.orientation = Eigen::AngleAxisd(landmark.orientation_rad, Eigen::Vector3d::UnitZ());
-  pose.covariance.diagonal().setConstant(kUnknownVariance);
+  pose.covariance.diagonal().setConstant(SpatialPose::kUnknownVariance);
   pose.covariance.topLeftCorner<2, 2>() = landmark.covariance_m2;
   pose.covariance(5, 5) = landmark.orientation_variance_rad2;
   return pose;

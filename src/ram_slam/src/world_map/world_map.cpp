@@ -11,7 +11,7 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kQuaternionTolerance = 1e-3;
+/// Of frames and types; the same stands in the error's text.
 constexpr std::size_t kMaxNameLength = 1000;
 constexpr std::size_t kMaxClassifierLength = 4096;
 /// A box that ends on the edge of a cell does not take the next one, in spite of rounding; in
@@ -32,7 +32,7 @@ void requireRoom(std::size_t wanted, std::size_t most, const char* of_what) {
 void checkPose(SpatialPose& pose) {
   require(pose.position_m.allFinite() && pose.covariance.allFinite(),
           "pose or its covariance is not finite");
-  require(std::abs(pose.orientation.norm() - 1.0) <= kQuaternionTolerance,
+  require(std::abs(pose.orientation.norm() - 1.0) <= SpatialPose::kQuaternionTolerance,
           "quaternion is not a rotation");
   pose.orientation.normalize();
 }
@@ -44,7 +44,7 @@ void checkGrid(const OccupancyGrid& grid) {
   require(grid.width >= 0 && grid.height >= 0 &&
               grid.cells.size() ==
                   static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height),
-          "grid without as many cells as it says");
+          "grid without width x height cells");
   require(
       std::all_of(grid.cells.begin(), grid.cells.end(),
                   [](std::int8_t cell) { return cell >= kUnknownCell && cell <= kOccupiedCell; }),

@@ -9,18 +9,9 @@
 namespace ram_slam {
 namespace {
 
+// The format: see toBytes().
 const std::string kMagic = "RAMWORLD";
 constexpr std::uint32_t kVersion = 1;
-/// Magic, version, length, checksum.
-constexpr std::size_t kHeaderSize = 8 + 4 + 8 + 8;
-/// Fewest bytes that an element takes: its count cannot be larger than the rest of the file allows.
-constexpr std::size_t kPoseSize = 8 * (3 + 4 + 36);
-constexpr std::size_t kOccupancySize = 8 + 8 + kPoseSize + 8 * 4 + 2 * 4 + 8;
-constexpr std::size_t kLandmarkSize = 4 + 8 + 8 + 8 + kPoseSize + 8;
-constexpr std::size_t kBlockSize = 4 + 4 + 9 * 8;
-constexpr std::size_t kCloudSize = 8 + 8 + kPoseSize + 8;
-constexpr std::size_t kPointSize = 4 * 4;
-constexpr std::size_t kStampedPoseSize = 4 * 8;
 
 std::uint64_t checksum(const std::string& bytes, std::size_t start) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -36,26 +27,10 @@ void write(BinaryWriter& writer, const SpatialPose& pose) {
   writer.write(pose.covariance);
 }
 
-SpatialPose readPose(BinaryReader& reader) {
-  SpatialPose pose;
-  pose.position_m = reader.readMatrix<Eigen::Vector3d>();
-  pose.orientation.coeffs() = reader.readMatrix<Eigen::Vector4d>();
-  pose.covariance = reader.readMatrix<Eigen::Matrix<double, 6, 6>>();
-  return pose;
-}
-
 void write(BinaryWriter& writer, const Pose2& pose) {
   writer.write(pose.x_m);
   writer.write(pose.y_m);
   writer.write(pose.yaw_rad);
-}
-
-Pose2 readPose2(BinaryReader& reader) {
-  Pose2 pose;
-  pose.x_m = reader.read<double>();
-  pose.y_m = reader.read<double>();
-  pose.yaw_rad = reader.read<double>();
-  return pose;
 }
 
 void write(BinaryWriter& writer, const LocalOccupancy& occupancy) {
@@ -68,6 +43,79 @@ void write(BinaryWriter& writer, const LocalOccupancy& occupancy) {
   writer.write(std::int32_t{occupancy.grid.height});
   writer.write(static_cast<std::uint64_t>(occupancy.grid.cells.size()));
   for (const std::int8_t cell : occupancy.grid.cells) writer.write(cell);
+}
+
+void write(BinaryWriter& writer, const WorldLandmark& landmark) {
+  writer.write(landmark.id);
+  writer.write(landmark.stamp_ns);
+  writer.write(landmark.type);
+  writer.write(landmark.classifier);
+  write(writer, landmark.pose);
+  writer.write(landmark.existence_log_odds);
+}
+
+void write(BinaryWriter& writer, const LandmarkCrossCovariance& block) {
+  writer.write(block.first_id);
+  writer.write(block.second_id);
+  writer.write(block.covariance_m2);
+}
+
+void write(BinaryWriter& writer, const LandmarkLayer& layer) {
+  writer.write(layer.stamp_ns);
+  writer.write(static_cast<std::uint64_t>(layer.landmarks.size()));
+  for (const WorldLandmark& landmark : layer.landmarks) write(writer, landmark);
+  writer.write(static_cast<std::uint64_t>(layer.cross_covariances.size()));
+  for (const LandmarkCrossCovariance& block : layer.cross_covariances) write(writer, block);
+}
+
+void write(BinaryWriter& writer, const ColoredPoint& point) {
+  writer.write(point.x_m);
+  writer.write(point.y_m);
+  writer.write(point.z_m);
+  writer.write(point.rgb);
+}
+
+void write(BinaryWriter& writer, const ColoredCloud& cloud) {
+  writer.write(cloud.stamp_ns);
+  writer.write(cloud.frame);
+  write(writer, cloud.map_from_frame);
+  writer.write(static_cast<std::uint64_t>(cloud.points.size()));
+  for (const ColoredPoint& point : cloud.points) write(writer, point);
+}
+
+void write(BinaryWriter& writer, const StampedPose2& pose) {
+  writer.write(pose.stamp_ns);
+  write(writer, pose.pose);
+}
+
+void write(BinaryWriter& writer, const Trajectory& trajectory) {
+  writer.write(static_cast<std::uint64_t>(trajectory.size()));
+  for (const StampedPose2& pose : trajectory) write(writer, pose);
+}
+
+/// How many elements follow: never more than the rest of the file can hold, given the bytes of one
+/// with empty texts and lists.
+template <typename Element>
+std::size_t readCountOf(BinaryReader& reader) {
+  BinaryWriter least;
+  write(least, Element{});
+  return reader.readCount(least.bytes().size());
+}
+
+SpatialPose readPose(BinaryReader& reader) {
+  SpatialPose pose;
+  pose.position_m = reader.readMatrix<Eigen::Vector3d>();
+  pose.orientation.coeffs() = reader.readMatrix<Eigen::Vector4d>();
+  pose.covariance = reader.readMatrix<Eigen::Matrix<double, 6, 6>>();
+  return pose;
+}
+
+Pose2 readPose2(BinaryReader& reader) {
+  Pose2 pose;
+  pose.x_m = reader.read<double>();
+  pose.y_m = reader.read<double>();
+  pose.yaw_rad = reader.read<double>();
+  return pose;
 }
 
 LocalOccupancy readOccupancy(BinaryReader& reader) {
@@ -84,29 +132,10 @@ LocalOccupancy readOccupancy(BinaryReader& reader) {
   return occupancy;
 }
 
-void write(BinaryWriter& writer, const LandmarkLayer& layer) {
-  writer.write(layer.stamp_ns);
-  writer.write(static_cast<std::uint64_t>(layer.landmarks.size()));
-  for (const WorldLandmark& landmark : layer.landmarks) {
-    writer.write(landmark.id);
-    writer.write(landmark.stamp_ns);
-    writer.write(landmark.type);
-    writer.write(landmark.classifier);
-    write(writer, landmark.pose);
-    writer.write(landmark.existence_log_odds);
-  }
-  writer.write(static_cast<std::uint64_t>(layer.cross_covariances.size()));
-  for (const LandmarkCrossCovariance& block : layer.cross_covariances) {
-    writer.write(block.first_id);
-    writer.write(block.second_id);
-    writer.write(block.covariance_m2);
-  }
-}
-
 LandmarkLayer readLandmarks(BinaryReader& reader) {
   LandmarkLayer layer;
   layer.stamp_ns = reader.read<std::int64_t>();
-  layer.landmarks.resize(reader.readCount(kLandmarkSize));
+  layer.landmarks.resize(readCountOf<WorldLandmark>(reader));
   for (WorldLandmark& landmark : layer.landmarks) {
     landmark.id = reader.read<std::uint32_t>();
     landmark.stamp_ns = reader.read<std::int64_t>();
@@ -115,7 +144,7 @@ LandmarkLayer readLandmarks(BinaryReader& reader) {
     landmark.pose = readPose(reader);
     landmark.existence_log_odds = reader.read<double>();
   }
-  layer.cross_covariances.resize(reader.readCount(kBlockSize));
+  layer.cross_covariances.resize(readCountOf<LandmarkCrossCovariance>(reader));
   for (LandmarkCrossCovariance& block : layer.cross_covariances) {
     block.first_id = reader.read<std::uint32_t>();
     block.second_id = reader.read<std::uint32_t>();
@@ -124,25 +153,12 @@ LandmarkLayer readLandmarks(BinaryReader& reader) {
   return layer;
 }
 
-void write(BinaryWriter& writer, const ColoredCloud& cloud) {
-  writer.write(cloud.stamp_ns);
-  writer.write(cloud.frame);
-  write(writer, cloud.map_from_frame);
-  writer.write(static_cast<std::uint64_t>(cloud.points.size()));
-  for (const ColoredPoint& point : cloud.points) {
-    writer.write(point.x_m);
-    writer.write(point.y_m);
-    writer.write(point.z_m);
-    writer.write(point.rgb);
-  }
-}
-
 ColoredCloud readCloud(BinaryReader& reader) {
   ColoredCloud cloud;
   cloud.stamp_ns = reader.read<std::int64_t>();
   cloud.frame = reader.readText();
   cloud.map_from_frame = readPose(reader);
-  cloud.points.resize(reader.readCount(kPointSize));
+  cloud.points.resize(readCountOf<ColoredPoint>(reader));
   for (ColoredPoint& point : cloud.points) {
     point.x_m = reader.read<float>();
     point.y_m = reader.read<float>();
@@ -152,16 +168,8 @@ ColoredCloud readCloud(BinaryReader& reader) {
   return cloud;
 }
 
-void write(BinaryWriter& writer, const Trajectory& trajectory) {
-  writer.write(static_cast<std::uint64_t>(trajectory.size()));
-  for (const StampedPose2& pose : trajectory) {
-    writer.write(pose.stamp_ns);
-    write(writer, pose.pose);
-  }
-}
-
 Trajectory readTrajectory(BinaryReader& reader) {
-  Trajectory trajectory(reader.readCount(kStampedPoseSize));
+  Trajectory trajectory(readCountOf<StampedPose2>(reader));
   for (StampedPose2& pose : trajectory) {
     pose.stamp_ns = reader.read<std::int64_t>();
     pose.pose = readPose2(reader);
@@ -177,11 +185,11 @@ void checkHeader(const std::string& bytes, BinaryReader& reader) {
     throw std::runtime_error("its format is version " + std::to_string(version) + ", not " +
                              std::to_string(kVersion));
   }
-  if (const auto size = reader.read<std::uint64_t>();
-      size != bytes.size() - std::min(bytes.size(), kHeaderSize)) {
+  const auto size = reader.read<std::uint64_t>();
+  const auto expected_checksum = reader.read<std::uint64_t>();
+  if (size != bytes.size() - reader.position())
     throw std::runtime_error("it is cut short or has something behind its end");
-  }
-  if (reader.read<std::uint64_t>() != checksum(bytes, kHeaderSize))
+  if (expected_checksum != checksum(bytes, reader.position()))
     throw std::runtime_error("it is damaged");
 }
 
@@ -208,10 +216,10 @@ WorldMap worldMapFromBytes(const std::string& bytes) {
   checkHeader(bytes, reader);
   try {
     WorldMap map;
-    for (std::size_t left = reader.readCount(kOccupancySize); left > 0; --left)
+    for (std::size_t left = readCountOf<LocalOccupancy>(reader); left > 0; --left)
       map.put(readOccupancy(reader));
     map.put(readLandmarks(reader));
-    for (std::size_t left = reader.readCount(kCloudSize); left > 0; --left)
+    for (std::size_t left = readCountOf<ColoredCloud>(reader); left > 0; --left)
       map.put(readCloud(reader));
     map.put(readTrajectory(reader));
     if (!reader.atEnd()) throw std::runtime_error("it has something behind its end");

@@ -67,7 +67,7 @@ TEST(WorldMapFile, RefusesAFileWithAnyBitFlipped) {
   }
 }
 
-TEST(WorldMapFile, SaysWhatIsWrong) {
+TEST(WorldMapFile, NamesWhatIsWrong) {
   const std::string bytes = toBytes(exampleWorld());
   EXPECT_THAT([] { worldMapFromBytes(""); },
               ThrowsMessage<std::runtime_error>(HasSubstr("not a world map")));

@@ -10,8 +10,8 @@ namespace ram_slam {
 /// was first put into the map, without their cross-covariances.
 LandmarkLayer toLandmarkLayer(const LandmarkMap& map);
 
-/// The planar landmarks of a stored map, without their cross-covariances. When they were put into
-/// the map only an estimator's own layer tells, so `placed_ns` is 0.
+/// The planar landmarks of a stored map, without their cross-covariances. The layer does
+/// not hold when they were put into the map, so `placed_ns` is 0.
 LandmarkMap toLandmarkMap(const LandmarkLayer& layer);
 
 }  // namespace ram_slam

@@ -18,6 +18,11 @@ namespace ram_slam {
 
 /// Where something is in space, as geometry_msgs/PoseWithCovariance has it.
 struct SpatialPose {
+  /// Of a coordinate that a planar estimator does not know: height, roll and pitch.
+  static constexpr double kUnknownVariance = 1e6;
+  /// Of a quaternion's norm from 1: what rounding of single-precision numbers leaves, and more.
+  static constexpr double kQuaternionTolerance = 1e-3;
+
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   /// Order x y z roll pitch yaw [m^2, m rad, rad^2], fixed axes of the parent frame (REP 103).
@@ -100,7 +105,7 @@ class WorldMap {
 public:
   /// Most cells in all grids together and in a region, most landmarks, most points in all clouds
   /// together.
-  static constexpr std::size_t kMaxCells = 100'000'000;
+  static constexpr std::size_t kMaxCells = kMaxGridCells;
   static constexpr std::size_t kMaxLandmarks = 1'000'000;
   static constexpr std::size_t kMaxPoints = 50'000'000;
 
@@ -125,9 +130,9 @@ public:
   const LandmarkLayer& landmarks() const;
   const Trajectory& trajectory() const;
 
-  /// Where grids overlap, the newest that knows a cell tells it; the newest also gives the size of
-  /// the cells. \throws std::invalid_argument if the box is empty or not finite; std::length_error
-  /// if it has too many cells
+  /// Where grids overlap, each cell is that of the newest that knows it; the newest also gives the
+  /// size of the cells. \throws std::invalid_argument if the box is empty or not finite;
+  /// std::length_error if it has too many cells
   MapRegion region(const MapBox& box) const;
 
 private:

@@ -13,7 +13,7 @@ namespace ram_slam {
 std::string toBytes(const WorldMap& map);
 
 /// The map that toBytes() wrote.
-/// \throws std::runtime_error saying what is wrong: not such a file, a newer version, cut short,
+/// \throws std::runtime_error with what is wrong: not such a file, a newer version, cut short,
 /// damaged, or a content
 ///         that WorldMap refuses. Allocates no more than the bytes account for.
 WorldMap worldMapFromBytes(const std::string& bytes);
