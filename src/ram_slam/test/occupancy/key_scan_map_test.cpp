@@ -24,7 +24,6 @@ LaserScan scanAt(std::int64_t stamp_ns) {
 }
 
 const Pose2 kBaseFromLaser{0.2, 0.05, 0.1};
-const Pose2 kLastBeam{0.01, 0.0, 0.02};
 
 /// What the robot believes at stamp 100 k, and where it really was.
 Pose2 believed(int k) {
@@ -36,7 +35,7 @@ Pose2 corrected(int k) {
 
 KeyScanMap mapOfTenScans(PoseAtIndex pose) {
   KeyScanMap map(OccupancyMapperParameters{});
-  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), pose(k), kBaseFromLaser, kLastBeam);
+  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), pose(k), kBaseFromLaser);
   map.draw();
   return map;
 }
@@ -77,6 +76,21 @@ TEST(KeyScanMap, CorrectedMapEqualsOneDrawnFromTheCorrectedPoses) {
   EXPECT_EQ(map.correct(trajectory), 0);
 }
 
+TEST(KeyScanMap, ACorrectedTrajectoryAlsoGivesTheMotionDuringAScan) {
+  LaserScan sweep = scanAt(0);
+  sweep.time_increment_s = 1e-9;  // 299 ns from the first beam to the last
+  KeyScanMap map(OccupancyMapperParameters{});
+  map.add(sweep, {}, kBaseFromLaser);
+  map.draw();
+  const Pose2 base_then{0.5, 0.1, 0.3};
+  map.correct({{0, {0.1, 0.0, 0.0}}, {299, base_then}});
+  map.draw();
+  const Pose2 map_from_laser = Pose2{0.1, 0.0, 0.0} * kBaseFromLaser;
+  OccupancyMapper truth{OccupancyMapperParameters{}};
+  truth.add(sweep, map_from_laser, map_from_laser.inverse() * base_then * kBaseFromLaser);
+  EXPECT_EQ(map.mapper().grid().cells, truth.grid().cells);
+}
+
 TEST(KeyScanMap, ScansBetweenThePosesOfATrajectoryAreInterpolated) {
   KeyScanMap map = mapOfTenScans(believed);
   EXPECT_EQ(map.correct({{0, {0.0, 0.0, M_PI_2}}, {900, {0.0, 2.25, M_PI_2}}}), 10);
@@ -100,7 +114,7 @@ TEST(KeyScanMap, KeepsAsManyScansAsItMayAndTheMapOfAll) {
   OccupancyMapperParameters parameters;
   parameters.max_scan_count = 4;
   KeyScanMap map(parameters);
-  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), believed(k), kBaseFromLaser, kLastBeam);
+  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), believed(k), kBaseFromLaser);
   map.draw();
   EXPECT_EQ(map.scanCount(), 4u);
   EXPECT_EQ(map.settledCount(), 6u);

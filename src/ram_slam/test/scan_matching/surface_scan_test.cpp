@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/scan_matching/surface_scan.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "walls.hpp"
+
+namespace ram_slam {
+namespace {
+
+TEST(ExtractSurfaces, NormalsOfAWallPointTowardsTheLaser) {
+  const SurfaceScan ahead =
+      extractSurfaces(scanWalls({{{3.0, -5.0}, {3.0, 5.0}}}, {}, 1), SurfaceParameters{});
+  ASSERT_GT(ahead.points.size(), 50U);
+  for (const SurfacePoint& point : ahead.points) {
+    EXPECT_NEAR(point.x_m, 3.0, 1e-4);
+    EXPECT_NEAR(point.normal_x, -1.0, 1e-3);
+    EXPECT_NEAR(point.normal_y, 0.0, 1e-3);
+  }
+}
+
+TEST(ExtractSurfaces, NoiseAcrossAWallIsReducedByTheFit) {
+  TestLaser noisy;
+  noisy.range_deviation_m = 0.01;
+  const Walls wall{{{2.0, -1.0}, {2.0, 1.0}}};
+  const LaserScan scan = scanWalls(wall, {}, 1, noisy);
+  const SurfaceScan surfaces = extractSurfaces(scan, SurfaceParameters{});
+  double readings = 0.0;
+  double fitted = 0.0;
+  std::size_t point = 0;
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    if (scan.at(beam) != Return::kHit) continue;
+    readings += std::pow(scan.end_m(beam).x() - 2.0, 2);
+    fitted += std::pow(surfaces.points[point++].x_m - 2.0, 2);
+  }
+  EXPECT_LT(fitted, 0.5 * readings);
+}
+
+TEST(ExtractSurfaces, BeamsKnowTheirPointOrThatOfTheNextHit) {
+  const LaserScan scan = scanWalls({{{3.0, -1.0}, {3.0, 1.0}}}, {}, 1);
+  const SurfaceScan surfaces = extractSurfaces(scan, SurfaceParameters{});
+  ASSERT_EQ(surfaces.point_of_beam.size(), scan.ranges_m.size());
+  std::int32_t hits = 0;
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    EXPECT_EQ(surfaces.point_of_beam[beam], hits);
+    if (scan.at(beam) == Return::kHit) ++hits;
+  }
+  EXPECT_EQ(surfaces.points.size(), static_cast<std::size_t>(hits));
+}
+
+TEST(ExtractSurfaces, LonePointsHaveNoNormal) {
+  LaserScan scan = scanWalls({{{3.0, -5.0}, {3.0, 5.0}}}, {}, 1);
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+    if (beam != 180 && beam != 181) scan.ranges_m[beam] = std::numeric_limits<float>::infinity();
+  }
+  const SurfaceScan surfaces = extractSurfaces(scan, SurfaceParameters{});
+  ASSERT_EQ(surfaces.points.size(), 2U);
+  EXPECT_FALSE(surfaces.points[0].hasNormal());
+  EXPECT_FALSE(surfaces.points[1].hasNormal());
+}
+
+TEST(ExtractSurfaces, AWallEndsWhereTheReadingsLeaveAGap) {
+  // Two walls, 1 m behind each other: no line leads from one to the other.
+  const Walls steps{{{3.0, -2.0}, {3.0, 0.0}}, {{4.0, 0.0}, {4.0, 2.0}}};
+  for (const SurfacePoint& point :
+       extractSurfaces(scanWalls(steps, {}, 1), SurfaceParameters{}).points) {
+    if (!point.hasNormal()) continue;
+    EXPECT_NEAR(point.normal_x, -1.0, 1e-3);
+  }
+}
+
+TEST(ExtractSurfaces, ReadingsBeyondTheUsableRangeAreLeftOut) {
+  SurfaceParameters parameters;
+  parameters.max_range_m = 3.5;
+  const SurfaceScan surfaces =
+      extractSurfaces(scanWalls({{{3.0, -5.0}, {3.0, 5.0}}}, {}, 1), parameters);
+  ASSERT_FALSE(surfaces.points.empty());
+  for (const SurfacePoint& point : surfaces.points)
+    EXPECT_LE(std::hypot(point.x_m, point.y_m), 3.51);
+}
+
+TEST(SurfaceParameters, RefuseValuesOutOfBounds) {
+  EXPECT_NO_THROW(SurfaceParameters{}.validate());
+  SurfaceParameters parameters;
+  parameters.neighbour_count = 1;
+  EXPECT_THROW(parameters.validate(), std::invalid_argument);
+  parameters = {};
+  parameters.max_gap_m = 0.0;
+  EXPECT_THROW(parameters.validate(), std::invalid_argument);
+  parameters = {};
+  parameters.max_line_deviation_m = std::nan("");
+  EXPECT_THROW(parameters.validate(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ram_slam
