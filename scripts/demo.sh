@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Drives a simulated robot through an office with the whole ROS stack running, and leaves map, trajectory, picture, bag
-# and verdict in results/demo. SEED=n chooses the noise, RVIZ=1 shows it live, OUTPUT=folder puts the results elsewhere.
+# and summary in results/demo. SEED=n chooses the noise, RVIZ=1 shows it live, OUTPUT=folder puts the results elsewhere.
 set -eo pipefail
 scripts=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 "$scripts/build.sh"

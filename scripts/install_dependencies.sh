@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of packages.txt that are missing; says nothing if there are none.
+# Installs the Debian packages of packages.txt that are missing; prints nothing if there are none.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 mapfile -t wanted < <(sed 's/#.*//' packages.txt | awk 'NF {print $1}')

@@ -15,5 +15,5 @@ cd build
 ctest --output-on-failure --no-tests=error --timeout 600 "$@" || status=$?
 cd ..
 # ctest counts programs; the total counts the tests inside them. A program that died leaves no result file of its own
-# or one that says so, and then ctest's status is not zero either.
+# or one that reports it, and then ctest's status is not zero either.
 exec /usr/bin/python3 "$scripts/count_tests.py" build/test_results "$status"

@@ -24,7 +24,7 @@ MAX_OFFLINE_YAW_ERROR_DEG = 1.5
 MIN_OCCUPIED_IOU = 0.7  # within one cell
 MIN_FREE_IOU = 0.95
 MAX_WALL_DISTANCE_M = 0.06
-MAX_START_S = 2.0  # until the bag has told where the laser is
+MAX_START_S = 2.0  # until the bag has published where the laser is
 MAX_LATE_SCANS = 2  # the last ones may still wait for their odometry when the bag ends
 
 
@@ -92,7 +92,7 @@ class SlamInSimulation(unittest.TestCase):
         if os.path.exists(cls.bag):
             os.remove(cls.bag)
 
-    def test_1_the_verdict_is_good_and_all_files_are_there(self):
+    def test_1_the_summary_is_good_and_all_files_are_there(self):
         self.assertEqual(self.status, 0, self.output)
         for name in RESULT_FILES + ("ground_truth.tum",):
             self.assertGreater(os.path.getsize(os.path.join(self.live, name)), 0, name)

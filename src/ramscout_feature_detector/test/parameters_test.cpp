@@ -28,10 +28,11 @@ TEST(Parameters, ShippedFileHoldsTheDefaults) {
     EXPECT_EQ(rows[i].value, defaults[i].value) << rows[i].key;
 }
 
-TEST(Parameters, PresetsOfSensorsAreAccepted) {
-  for (const char* name : {"hokuyo_urg04lx", "hokuyo_utm30lx", "rplidar_a1", "sick_lms"}) {
+TEST(Parameters, PresetsOfLidarsAreAccepted) {
+  for (const char* name : {"rplidar", "sick_lms", "sick_lms_180", "urg_04lx", "utm_30lx"}) {
     const std::string path = std::string(PRESET_FOLDER) + "/" + name + ".yaml";
-    ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
+    ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path)["feature_detector"],
+                                           path);
     EXPECT_NO_THROW(readFeatureDetectorParameters(reader)) << path;
   }
 }

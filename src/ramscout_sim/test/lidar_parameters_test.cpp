@@ -20,6 +20,21 @@ std::string refusal(const LidarParameters& parameters) {
   return "accepted";
 }
 
+TEST(LidarPreset, ShippedFilesStateTheSameValues) {
+  for (const std::string name : {"utm_30lx", "urg_04lx", "sick_lms", "sick_lms_180", "rplidar"}) {
+    const std::string path = std::string(CONFIG_FOLDER) + "/lidars/" + name + ".yaml";
+    YAML::Node values = ram_parameters::readYamlFile(path)["simulator"]["lidar"];
+    const std::string preset = name == "rplidar" ? "rplidar_a2" : name;
+    values["preset"] = preset;
+    ram_parameters::ParameterReader reader(values, path);
+    const auto shipped = LidarParameters::table().rows(readLidarParameters(reader));
+    const auto rows = LidarParameters::table().rows(lidarPreset(preset));
+    ASSERT_EQ(shipped.size(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      EXPECT_EQ(shipped[i].value, rows[i].value) << name << ": " << rows[i].key;
+  }
+}
+
 TEST(LidarPreset, EveryOneIsValidAndNamesItself) {
   for (const char* name : {"utm_30lx", "urg_04lx", "sick_lms", "sick_lms_180", "rplidar_a2"}) {
     const LidarParameters lidar = lidarPreset(name);
