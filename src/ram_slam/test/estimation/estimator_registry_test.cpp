@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/estimation/estimator_registry.hpp"
+
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "../dummy_estimator.hpp"
+
+namespace ram_slam {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+TEST(EstimatorRegistry, KnowsFastSlam) {
+  EXPECT_THAT(estimatorNames(), Contains("fast_slam"));
+}
+
+TEST(EstimatorRegistry, MakesWhatAnotherPackageAdded) {
+  registerEstimator("dummy", [](ram_parameters::ParameterReader&, FeatureMatchers) {
+    return []() -> std::unique_ptr<Estimator> { return std::make_unique<DummyEstimator>(); };
+  });
+  ram_parameters::ParameterReader reader(YAML::Node(), "test");
+  const EstimatorFactory make = findEstimator("dummy")(reader, {});
+  EXPECT_FALSE(make()->started());
+  EXPECT_THAT(estimatorNames(), Contains("dummy"));
+}
+
+TEST(EstimatorRegistry, NamesTheKnownOnesWhenAskedForAnother) {
+  try {
+    findEstimator("fast_slma");
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no estimator 'fast_slma'"));
+    EXPECT_THAT(error.what(), HasSubstr("fast_slam"));
+  }
+}
+
+}  // namespace
+}  // namespace ram_slam

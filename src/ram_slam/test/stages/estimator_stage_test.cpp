@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/stages/estimator_stage.hpp"
+
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "../dummy_estimator.hpp"
+
+namespace ram_slam {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+/// 1 m/s along x, known within an interval only; counts the questions.
+class Straight : public MotionModel {
+public:
+  PoseWithCovariance2 motion(std::int64_t from_ns, std::int64_t to_ns) const override {
+    ++questions;
+    if (from_ns < known_from_ns || to_ns > known_to_ns) throw std::out_of_range("not buffered");
+    PoseWithCovariance2 motion;
+    motion.pose.x_m = 1e-9 * static_cast<double>(to_ns - from_ns);
+    return motion;
+  }
+  std::vector<Pose2> sample(const std::vector<Pose2>& poses,
+                            std::int64_t,
+                            std::int64_t,
+                            std::uint64_t) const override {
+    return poses;
+  }
+
+  std::int64_t known_from_ns = 0;
+  std::int64_t known_to_ns = 1000 * kSecond;
+  mutable int questions = 0;
+};
+
+class EstimatorStageTest : public testing::Test {
+protected:
+  EstimatorStageTest() { reset({}); }
+  void reset(const EstimatorStageParameters& parameters) {
+    stage_ = std::make_unique<EstimatorStage>([] { return std::make_unique<DummyEstimator>(); },
+                                              model_, parameters);
+  }
+  /// \return whether the estimator took it in
+  bool read(std::int64_t stamp_ns) {
+    const auto step = stage_->motionUntil(stamp_ns);
+    if (!step) {
+      stage_->bridgeGap(stamp_ns);
+      return false;
+    }
+    FeatureList list;
+    list.stamp_ns = stamp_ns;
+    pose_ = stage_->poseAt(*step);
+    if (!stage_->isDue(*step)) return false;
+    const bool used = stage_->update(list, *step, nullptr);
+    pose_ = stage_->poseAt(*step);
+    return used;
+  }
+
+  Straight model_;
+  std::unique_ptr<EstimatorStage> stage_;
+  Pose2 pose_;
+};
+
+TEST_F(EstimatorStageTest, AsksForTheMotionOncePerReading) {
+  read(kSecond);
+  const int before = model_.questions;
+  read(2 * kSecond);
+  EXPECT_EQ(model_.questions, before + 1);
+  EXPECT_DOUBLE_EQ(pose_.x_m, 1.0);
+}
+
+TEST_F(EstimatorStageTest, LeavesOutReadingsOfARobotThatHardlyMovesButKnowsItsPose) {
+  EstimatorStageParameters parameters;
+  parameters.minimum_distance_m = 0.5;
+  parameters.minimum_angle_rad = 0.5;
+  reset(parameters);
+  EXPECT_TRUE(read(kSecond));
+  EXPECT_FALSE(read(kSecond + 400'000'000));
+  EXPECT_DOUBLE_EQ(pose_.x_m, 0.4);
+  EXPECT_EQ(stage_->estimator().stamp_ns(), kSecond);
+  EXPECT_TRUE(read(kSecond + 600'000'000));
+  EXPECT_DOUBLE_EQ(pose_.x_m, 0.6);
+}
+
+TEST_F(EstimatorStageTest, BridgesAGapWithTheMotionThatIsKnownOtherwise) {
+  read(kSecond);
+  model_.known_from_ns = 3 * kSecond;
+  EXPECT_FALSE(stage_->motionUntil(3 * kSecond));
+  EXPECT_THAT(stage_->missingMotion(), testing::HasSubstr("not buffered"));
+  stage_->bridgeGap(3 * kSecond, Pose2{2.5, 0.0, 0.0});
+  EXPECT_TRUE(read(4 * kSecond));
+  EXPECT_DOUBLE_EQ(pose_.x_m, 3.5);
+  ASSERT_EQ(stage_->drops().total(), 1u);
+  EXPECT_EQ(stage_->drops().newest().reason, DropReason::kNoMotion);
+}
+
+TEST_F(EstimatorStageTest, BeginsAgainWhenTheClockIsSetBack) {
+  read(10 * kSecond);
+  read(12 * kSecond);
+  EXPECT_TRUE(read(kSecond));
+  EXPECT_EQ(stage_->resetCount(), 1);
+  EXPECT_DOUBLE_EQ(pose_.x_m, 0.0);
+}
+
+TEST_F(EstimatorStageTest, CountsReadingsThatComeTooLate) {
+  read(kSecond);
+  read(2 * kSecond);
+  EXPECT_FALSE(read(2 * kSecond - 500'000'000));
+  ASSERT_EQ(stage_->drops().total(), 1u);
+  EXPECT_EQ(stage_->drops().newest().reason, DropReason::kNotLater);
+}
+
+TEST_F(EstimatorStageTest, FollowsACorrectionOnceItsNewestReadingWasDealtWith) {
+  read(kSecond);
+  stage_->addCorrection({{kSecond, {0.0, 1.0, 0.0}}, {2 * kSecond, {1.0, 1.0, 0.0}}});
+  EXPECT_FALSE(stage_->followCorrection());
+  read(2 * kSecond);
+  const auto corrected = stage_->followCorrection();
+  ASSERT_TRUE(corrected);
+  EXPECT_EQ(corrected->size(), 2u);
+  EXPECT_DOUBLE_EQ(stage_->estimator().estimate().pose.y_m, 1.0);
+  EXPECT_FALSE(stage_->followCorrection());
+}
+
+TEST_F(EstimatorStageTest, ALostEstimatorFollowsWhenItIsFound) {
+  read(kSecond);
+  stage_->estimator().forgetPose();
+  stage_->addCorrection({{kSecond, {0.0, 1.0, 0.0}}});
+  EXPECT_FALSE(stage_->followCorrection());
+  stage_->estimator().setPose({});
+  EXPECT_TRUE(stage_->followCorrection());
+}
+
+TEST_F(EstimatorStageTest, AnUnusableCorrectionIsCounted) {
+  read(kSecond);
+  stage_->addCorrection({});
+  EXPECT_FALSE(stage_->followCorrection());
+  ASSERT_EQ(stage_->drops().total(), 1u);
+  EXPECT_EQ(stage_->drops().newest().reason, DropReason::kInvalidTrajectory);
+}
+
+TEST(EstimatorStageParameters, RefusesNegativeMotions) {
+  EstimatorStageParameters parameters;
+  parameters.minimum_distance_m = -0.1;
+  EXPECT_THROW(parameters.validate(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ram_slam
