@@ -59,7 +59,9 @@ int KeyScanMap::correct(const Trajectory& map_from_base) {
     moved_count += moves ? 1 : 0;
     if (key.drawn && !moves) continue;
     key.wanted.map_from_laser = corrected;
-    const auto base_then = poseAt(map_from_base, key.scan.stamp_ns + key.scan.duration_ns());
+    const std::int64_t duration_ns = key.scan.duration_ns();
+    if (duration_ns == 0) continue;  // all beams at once: nothing moves between them
+    const auto base_then = poseAt(map_from_base, key.scan.stamp_ns + duration_ns);
     if (base && base_then)
       key.wanted.last_beam = corrected.inverse() * *base_then * key.base_from_laser;
   }
