@@ -6,20 +6,20 @@
 #include <stdexcept>
 #include <string>
 
+#include "ram_slam/world_map/world_map.hpp"
+
 namespace ram_slam_ros {
 namespace {
 
-constexpr double kUnknownVariance = 1e6;
-constexpr double kQuaternionTolerance = 1e-3;
 constexpr std::size_t kMaxFeatures = 1000;
 constexpr double kLongestSweepS = 1.0;  // a longer one is no sweep but nonsense
-constexpr std::size_t kMaxClassifierLength = 4096;
 constexpr double kSymmetryTolerance = 1e-6;
 constexpr std::int64_t kMaxDelayNs = 1'000'000'000;  // of a feature after its list
 
 ram_slam::Pose2 toPose2(double x, double y, const geometry_msgs::Quaternion& q) {
   const double norm = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  if (!std::isfinite(x) || !std::isfinite(y) || !(std::abs(norm - 1.0) <= kQuaternionTolerance)) {
+  if (!std::isfinite(x) || !std::isfinite(y) ||
+      !(std::abs(norm - 1.0) <= ram_slam::SpatialPose::kQuaternionTolerance)) {
     throw std::invalid_argument("pose is not finite or its quaternion (norm " +
                                 std::to_string(norm) + ") is not a rotation");
   }
@@ -98,7 +98,7 @@ geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(
   constexpr int kPlanar[] = {0, 1, 5};
   geometry_msgs::PoseWithCovariance message;
   message.pose = toPoseMessage(pose.pose);
-  for (int i = 2; i < 5; ++i) message.covariance[7 * i] = kUnknownVariance;
+  for (int i = 2; i < 5; ++i) message.covariance[7 * i] = ram_slam::SpatialPose::kUnknownVariance;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       message.covariance[6 * kPlanar[row] + kPlanar[column]] = pose.covariance(row, column);
@@ -127,7 +127,8 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message) {
 ram_slam::Feature toFeature(const ram_slam_msgs::Feature& message) {
   ram_slam::Feature feature;
   feature.type = message.type;
-  if (message.classifier.size() <= kMaxClassifierLength) feature.classifier = message.classifier;
+  if (message.classifier.size() <= ram_slam::WorldLandmark::kMaxClassifierLength)
+    feature.classifier = message.classifier;
   const ram_slam::PoseWithCovariance2 pose = toPoseWithCovariance2(message.pose);
   feature.position_m = pose.pose.translation();
   feature.covariance_m2 = pose.covariance.topLeftCorner<2, 2>();

@@ -11,9 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "ram_parameters/parameter_file.hpp"
-#if __has_include("ram_slam/parameter_files.hpp")
 #include "ram_slam/parameter_files.hpp"
-#endif
 #include "ramscout_feature_detector/parameter_files.hpp"
 #include "ramscout_kinematics/parameter_files.hpp"
 #include "ramscout_sim/parameter_files.hpp"
@@ -28,9 +26,7 @@ std::vector<ram_parameters::ParameterFile> allFiles() {
   const auto add = [&files](const std::vector<ram_parameters::ParameterFile>& more) {
     files.insert(files.end(), more.begin(), more.end());
   };
-#if __has_include("ram_slam/parameter_files.hpp")
   add(ram_slam::parameterFiles());
-#endif
   add(ramscout_feature_detector::parameterFiles());
   add(ramscout_kinematics::parameterFiles());
   add(ramscout_sim::parameterFiles());

@@ -22,7 +22,7 @@ constexpr char kFreePixel = static_cast<char>(254);
 constexpr char kUnknownPixel = static_cast<char>(205);
 constexpr int kOccupiedFromPercent = 65;
 constexpr int kFreeToPercent = 25;
-/// Of a yaml file, and of an image's header: a hundred times what they usually have.
+/// Of a yaml file, and of an image's header, which have some hundred.
 constexpr std::size_t kMaxTextBytes = 65536;
 
 /// Nine digits: what was read is written again as it was.

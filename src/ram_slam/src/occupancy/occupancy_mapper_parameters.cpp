@@ -32,8 +32,8 @@ void addMapRows(ParameterTable<P>& table) {
       .add("max_cell_count", &P::max_cell_count, "", within(4096, 1000000000),
            "Size limit: cells in the map's bounding box.")
       .heading(
-          "Which scans are mapped: the first, and those before which the laser moved. They are "
-          "kept, so that the map can be drawn again when the trajectory is corrected")
+          "Which scans are mapped; they are kept to draw the map again along a corrected "
+          "trajectory")
       .add("key_distance_m", &P::key_distance_m, "m", within(0.0, 10.0),
            "Mapped if the laser moved this far since the last mapped scan; 0: every scan.")
       .add("key_angle_rad", &P::key_angle_rad, "rad", within(0.0, 3.15),

@@ -89,7 +89,8 @@ const ParameterTable<LaserOdometryParameters>& LaserOdometryParameters::table() 
                   return p.reference_count >= 1 && p.reference_count <= p.key_scan_count;
                 })
           .heading("Standard deviation of the wheels' motion between two scans")
-          .add("wheel_rest_deviation_m", &P::wheel_rest_deviation_m, "m", positive(), "At rest.")
+          .add("wheel_rest_deviation_m", &P::wheel_rest_deviation_m, "m", positive(),
+               "Of the distance, at rest.")
           .add("wheel_rest_deviation_rad", &P::wheel_rest_deviation_rad, "rad", positive(),
                "Of the yaw, at rest.")
           .add("wheel_distance_deviation_m_per_m", &P::wheel_distance_deviation_m_per_m, "m/m",
@@ -111,9 +112,9 @@ const ParameterTable<LaserOdometryParameters>& LaserOdometryParameters::table() 
           .add("lost_inlier_ratio", &P::lost_inlier_ratio, "", within(0.0, 1.0),
                "A match below this share of paired points is searched for.")
           .add("search_distance_m", &P::search_distance_m, "m", positive(),
-               "Searched around the prediction, to each side.")
+               "Greatest distance from the prediction that is searched.")
           .add("search_angle_rad", &P::search_angle_rad, "rad", positive(),
-               "Searched around the prediction, to each side.")
+               "Greatest turn from the prediction that is searched.")
           .expert("When scans overrule the wheels")
           .section("slip", &P::slip, SlipParameters::table())
           .expert("Search for a lost pose")

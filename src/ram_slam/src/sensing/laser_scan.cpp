@@ -9,7 +9,7 @@
 namespace ram_slam {
 namespace {
 
-/// Ten times what the finest planar lidars give: more is a damaged message.
+/// More than planar lidars give: a longer message is damaged.
 constexpr std::size_t kMaxBeams = 20000;
 /// A whole turn would take six million beams.
 constexpr double kMinIncrementRad = 1e-6;

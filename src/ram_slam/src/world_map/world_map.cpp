@@ -13,7 +13,6 @@ namespace {
 
 /// Of frames and types; the same stands in the error's text.
 constexpr std::size_t kMaxNameLength = 1000;
-constexpr std::size_t kMaxClassifierLength = 4096;
 /// A box that ends on the edge of a cell does not take the next one, in spite of rounding; in
 /// cells.
 constexpr double kEdgeTolerance = 1e-6;
@@ -123,7 +122,7 @@ void WorldMap::put(LandmarkLayer landmarks) {
     checkPose(landmark.pose);
     require(std::isfinite(landmark.existence_log_odds), "landmark whose existence is not finite");
     require(landmark.type.size() <= kMaxNameLength &&
-                landmark.classifier.size() <= kMaxClassifierLength,
+                landmark.classifier.size() <= WorldLandmark::kMaxClassifierLength,
             "landmark with a type or classifier that is too long");
     require(ids.empty() || landmark.id > *ids.rbegin(),
             "landmarks that are not in the order of their ids");

@@ -42,6 +42,9 @@ struct LocalOccupancy {
 
 /// A landmark of the feature layer: ram_slam_msgs/Landmark.
 struct WorldLandmark {
+  /// Most bytes of `classifier`: keeps a million landmarks within some gigabytes.
+  static constexpr std::size_t kMaxClassifierLength = 4096;
+
   std::uint32_t id = 0;
   std::int64_t stamp_ns = 0;
   std::string type;
