@@ -90,7 +90,9 @@ def main():
         text = document.read_text()
         prose = re.sub(r"```diff.*?```", "", text, flags=re.S)  # what a reader is to add does not exist yet
         found = [*dead_links(document, text), *unknown_targets(text), *wrong_launches(prose), *unknown_programs(prose),
-                 *missing_paths(prose), *unknown_names(prose, words)]
+                 *missing_paths(prose)]
+        if name != "docs/parameters.md":  # made from tables, in which keys get their prefixes
+            found += unknown_names(prose, words)
         findings += ["%s: no such %s" % (name, what) for what in dict.fromkeys(found)]
     print("\n".join(findings), end="\n" if findings else "", file=sys.stderr)
     sys.exit(1 if findings else 0)

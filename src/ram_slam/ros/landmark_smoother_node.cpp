@@ -20,10 +20,7 @@ constexpr std::int64_t kPatienceNs = 2'000'000'000;  // by the stamps of newer l
 
 LandmarkSmootherNode::LandmarkSmootherNode(ram_parameters::ParameterReader& reader)
     : kinematics_(node_) {
-  reader.read("map_frame", map_frame_);
-  reader.read("base_frame", base_frame_);
   parameters_ = ram_slam::readLandmarkSmootherParameters(reader);
-  reader.rejectUnknown();
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   smoothed_trajectory_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, true);
   smoothed_landmarks_ = node_.advertise<ram_slam_msgs::LandmarkMap>("smoothed_landmarks", 1, true);
@@ -38,7 +35,7 @@ LandmarkSmootherNode::LandmarkSmootherNode(ram_parameters::ParameterReader& read
 
 void LandmarkSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
   try {
-    ram_slam::FeatureList list = toFeatureList(message, base_frame_).list;
+    ram_slam::FeatureList list = toFeatureList(message, parameters_.base_frame).list;
     const std::int64_t newest_ns = !waiting_.empty() ? waiting_.back().stamp_ns
                                    : !steps_.empty() ? steps_.back().list.stamp_ns
                                                      : list.stamp_ns;
@@ -88,7 +85,7 @@ void LandmarkSmootherNode::onTrajectory(const nav_msgs::Path& message) {
 
 void LandmarkSmootherNode::onLandmarks(const ram_slam_msgs::LandmarkMap& message) {
   try {
-    landmarks_ = toLandmarkEstimates(message, map_frame_);
+    landmarks_ = toLandmarkEstimates(message, parameters_.map_frame);
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected landmarks: " << error.what());
   }
@@ -110,8 +107,8 @@ bool LandmarkSmootherNode::onSmooth(std_srvs::Trigger::Request& /*request*/,
     if (steps.empty()) throw std::runtime_error("no features along a trajectory yet");
     const ram_slam::SmoothedLandmarks smoothed =
         ram_slam::smoothLandmarks(steps, trajectory_, landmarks_, parameters_);
-    smoothed_trajectory_.publish(toPath(smoothed.trajectory, map_frame_));
-    smoothed_landmarks_.publish(toLandmarkMapMessage(smoothed.map, map_frame_));
+    smoothed_trajectory_.publish(toPath(smoothed.trajectory, parameters_.map_frame));
+    smoothed_landmarks_.publish(toLandmarkMapMessage(smoothed.map, parameters_.map_frame));
     response.success = true;
     response.message = std::to_string(smoothed.map.landmarks.size()) + " landmarks from " +
                        std::to_string(steps.size()) + " lists";

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <deque>
-#include <string>
 #include <vector>
 
 #include <nav_msgs/Path.h>
@@ -36,8 +35,6 @@ private:
   /// The steps within the trajectory.
   std::vector<ram_slam::FeatureStep> covered() const;
 
-  std::string map_frame_ = "map";
-  std::string base_frame_ = "base_link";
   ram_slam::LandmarkSmootherParameters parameters_;
   std::vector<ram_slam::FeatureStep> steps_;
   std::deque<ram_slam::FeatureList> waiting_;

@@ -3,13 +3,23 @@
 
 #include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
 #include "ram_slam/scan_matching/laser_odometry_parameters.hpp"
+#include "ram_slam/smoothing/landmark_smoother_parameters.hpp"
+#include "ram_slam/smoothing/map_smoother.hpp"
 
 namespace ram_slam {
 
 std::vector<ram_parameters::ParameterFile> parameterFiles() {
   return {
+      {"landmark_smoother.yaml", "ram_slam/landmark_smoother",
+       "All features of a run and the estimator's result in, landmarks and a trajectory that agree "
+       "with all of them out.",
+       LandmarkSmootherParameters::table().rows()},
       {"laser_odometry.yaml", "ram_slam/laser_odometry",
        "Refines wheel odometry by scans, or replaces it.", LaserOdometryParameters::table().rows()},
+      {"map_smoother.yaml", "ram_slam/map_smoother",
+       "A trajectory and the scans taken along it in, a trajectory that agrees with all of them "
+       "out.",
+       MapSmootherParameters::table().rows()},
       {"occupancy_mapper.yaml", "ram_slam/occupancy_mapper",
        "Draws the occupancy map: which cells the scans saw free, and in which they hit "
        "something.",

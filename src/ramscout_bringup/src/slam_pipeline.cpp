@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ram_slam/pose_graph/g2o.hpp"
 #include "ramscout_feature_detector/corner_matcher.hpp"
 
 namespace ramscout_bringup {

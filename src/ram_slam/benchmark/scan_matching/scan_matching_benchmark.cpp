@@ -2,11 +2,11 @@
 // Cost of aligning scans, of the dense search and of the graph, and how it grows.
 #include <benchmark/benchmark.h>
 
+#include "ram_slam/pose_graph/pose_graph.hpp"
 #include "ram_slam/scan_matching/correlative_search.hpp"
 #include "ram_slam/scan_matching/laser_odometry.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
-#include "ram_slam/smoothing/pose_graph.hpp"
 
 #include "../../test/scan_matching/walls.hpp"
 

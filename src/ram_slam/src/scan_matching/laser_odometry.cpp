@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "ram_slam/motion/motion_noise.hpp"
 #include "ram_slam/scan_matching/correlative_search.hpp"
 
 namespace ram_slam {
@@ -108,13 +109,13 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
   double deviation_rad = 0.0;
   if (odom_from_base && last_wheels_) {
     prediction.motion = wheel_bias_.corrected(last_wheels_->inverse() * *odom_from_base);
-    const double distance_m = prediction.motion.translation().norm();
-    deviation_m = parameters_.wheel_rest_deviation_m +
-                  parameters_.wheel_distance_deviation_m_per_m * distance_m;
-    deviation_rad =
-        parameters_.wheel_rest_deviation_rad +
-        parameters_.wheel_yaw_deviation_rad_per_m * distance_m +
-        parameters_.wheel_yaw_deviation_rad_per_rad * std::abs(prediction.motion.yaw_rad);
+    const MotionNoise noise{
+        parameters_.wheel_rest_deviation_m, parameters_.wheel_rest_deviation_rad,
+        parameters_.wheel_distance_deviation_m_per_m, parameters_.wheel_yaw_deviation_rad_per_m,
+        parameters_.wheel_yaw_deviation_rad_per_rad};
+    const Eigen::Vector3d deviations = noise.deviations(prediction.motion);
+    deviation_m = deviations.x();
+    deviation_rad = deviations.z();
   } else {
     const ConstantSpeedParameters& constant = parameters_.constant_speed;
     const double ratio = last_interval_s_ > 0.0

@@ -6,20 +6,18 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kStretchM = 20.0;
-
 ConstellationParameters parametersOfSearch() {
   ConstellationParameters parameters;
-  parameters.minimum_likeness = 0.0;  // pairs that look unlike would only take time
-  // A part of the stretch may lie on new ground, and the scans are asked whether it is the place.
+  parameters.minimum_likeness = 0.0;  // unlike pairs would only take time
+  // A part of the stretch may lie on new ground, and the scans verify the place.
   parameters.minimum_overlap = 0.0;
   return parameters;
 }
 
 }  // namespace
 
-ConstellationMemory::ConstellationMemory(const FeatureMatchers& matchers)
-    : matchers_(matchers), recent_({kStretchM}, matchers) {}
+ConstellationMemory::ConstellationMemory(const FeatureMatchers& matchers, double stretch_m)
+    : matchers_(matchers), stretch_m_(stretch_m), recent_({stretch_m}, matchers) {}
 
 void ConstellationMemory::add(const FeatureList& list,
                               const std::vector<KeyScan>& keys,
@@ -27,7 +25,7 @@ void ConstellationMemory::add(const FeatureList& list,
   const Pose2 motion = odom_from_base_ ? odom_from_base_->inverse() * odom_from_base : Pose2{};
   odom_from_base_ = odom_from_base;
   recent_.add(list, motion, nullptr);
-  if (keys.back().path_m - remembered_path_m_ < kStretchM) return;
+  if (keys.back().path_m - remembered_path_m_ < stretch_m_) return;
   remembered_path_m_ = keys.back().path_m;
   stretches_.push_back({keys.size() - 1, recent_.points()});
 }

@@ -1,76 +1,42 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ram_parameters/require.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
 
 namespace ram_slam {
 
-using ram_parameters::requirePositive;
-
-void MapSmootherParameters::validate() const {
-  surfaces.validate();
-  matcher.validate();
-  loops.validate();
-  graph.validate();
-  refinement.validate();
-  ram_parameters::require(optimize_period_s >= 0.0, "optimize_period_s", optimize_period_s, ">= 0");
-  requirePositive("key_scan_distance_m", key_scan_distance_m);
-  requirePositive("key_scan_angle_rad", key_scan_angle_rad);
-  requirePositive("loop_search_distance_m", loop_search_distance_m);
-  ram_parameters::require(loop_constellation_path_m >= 0.0, "loop_constellation_path_m",
-                          loop_constellation_path_m, ">= 0");
-  requirePositive("motion_rest_deviation_m", motion_rest_deviation_m);
-  requirePositive("motion_rest_deviation_rad", motion_rest_deviation_rad);
-  requirePositive("motion_deviation_m_per_m", motion_deviation_m_per_m);
-  requirePositive("motion_deviation_rad_per_m", motion_deviation_rad_per_m);
-  requirePositive("motion_deviation_rad_per_rad", motion_deviation_rad_per_rad);
-  requirePositive("match_deviation_m", match_deviation_m);
-  requirePositive("match_deviation_rad", match_deviation_rad);
-  requirePositive("closure_deviation_m", closure_deviation_m);
-  requirePositive("closure_deviation_rad", closure_deviation_rad);
+const ram_parameters::ParameterTable<MapSmootherParameters>& MapSmootherParameters::table() {
+  using namespace ram_parameters;
+  using P = MapSmootherParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("map_frame", &P::map_frame, "Frame of the corrected trajectory.")
+          .add("base_frame", &P::base_frame, "Frame of the robot's base.")
+          .add("optimize_period_s", &P::optimize_period_s, "s", atLeast(0.0),
+               "Least time between two optimizations, by the stamps of the scans; 0: only at "
+               "closures that move the robot and on request.")
+          .include(&P::surfaces, SurfaceParameters::table())
+          .include(&P::matcher, ScanMatcherParameters::table())
+          .include(&P::key_scans, KeyScanParameters::table())
+          .include(&P::loops, LoopCloserParameters::table())
+          .heading("Pose graph")
+          .include(&P::graph, PoseGraphParameters::table())
+          .heading("Alignment of all key scans with each other")
+          .include(&P::refinement, RefinementParameters::table(), "refinement_")
+          .expert("Corrections")
+          .add("solve_distance_m", &P::solve_distance_m, "m", atLeast(0.0),
+               "A closure that moves its later key scan farther is solved for at once.")
+          .add("solve_angle_rad", &P::solve_angle_rad, "rad", atLeast(0.0),
+               "A closure that turns its later key scan by more is solved for at once.")
+          .add("correction_distance_m", &P::correction_distance_m, "m", atLeast(0.0),
+               "The trajectory is published if such a closure moved the newest pose farther.")
+          .add("correction_angle_rad", &P::correction_angle_rad, "rad", atLeast(0.0),
+               "The trajectory is published if such a closure turned the newest pose by more.")
+          .add("max_sweeps", &P::max_sweeps, "", atLeast(0),
+               "Most searches for loops along the whole path per optimization.");
+  return table;
 }
 
 MapSmootherParameters readMapSmootherParameters(ram_parameters::ParameterReader& reader) {
-  MapSmootherParameters parameters;
-  reader.read("map_frame", parameters.map_frame);
-  reader.read("base_frame", parameters.base_frame);
-  reader.read("optimize_period_s", parameters.optimize_period_s);
-  SurfaceParameters::table().read(reader, parameters.surfaces);
-  ScanMatcherParameters::table().read(reader, parameters.matcher);
-  reader.read("key_scan_distance_m", parameters.key_scan_distance_m);
-  reader.read("key_scan_angle_rad", parameters.key_scan_angle_rad);
-  reader.read("motion_rest_deviation_m", parameters.motion_rest_deviation_m);
-  reader.read("motion_rest_deviation_rad", parameters.motion_rest_deviation_rad);
-  reader.read("motion_deviation_m_per_m", parameters.motion_deviation_m_per_m);
-  reader.read("motion_deviation_rad_per_m", parameters.motion_deviation_rad_per_m);
-  reader.read("motion_deviation_rad_per_rad", parameters.motion_deviation_rad_per_rad);
-  reader.read("match_deviation_m", parameters.match_deviation_m);
-  reader.read("match_deviation_rad", parameters.match_deviation_rad);
-  reader.read("closure_deviation_m", parameters.closure_deviation_m);
-  reader.read("closure_deviation_rad", parameters.closure_deviation_rad);
-  reader.read("loop_search_distance_m", parameters.loop_search_distance_m);
-  reader.read("loop_constellation_path_m", parameters.loop_constellation_path_m);
-  reader.read("loop_min_path_m", parameters.loops.min_path_m);
-  reader.read("loop_max_view_distance_m", parameters.loops.max_view_distance_m);
-  reader.read("loop_drift_m_per_m", parameters.loops.drift_m_per_m);
-  reader.read("loop_drift_rad_per_m", parameters.loops.drift_rad_per_m);
-  reader.read("loop_max_distance_m", parameters.loops.max_distance_m);
-  reader.read("loop_max_angle_rad", parameters.loops.max_angle_rad);
-  reader.read("loop_neighbour_count", parameters.loops.neighbour_count);
-  reader.read("loop_min_score", parameters.loops.min_score);
-  reader.read("loop_min_inlier_ratio", parameters.loops.min_inlier_ratio);
-  reader.read("loop_max_free_space_ratio", parameters.loops.max_free_space_ratio);
-  reader.read("loop_max_round_trip_m", parameters.loops.max_round_trip_m);
-  reader.read("loop_max_round_trip_rad", parameters.loops.max_round_trip_rad);
-  reader.read("closure_tolerance_chi2", parameters.graph.closure_tolerance_chi2);
-  reader.read("graph_max_iterations", parameters.graph.max_iterations);
-  reader.read("refinement_iterations", parameters.refinement.iterations);
-  reader.read("refinement_loop_neighbour_count", parameters.refinement.loop_neighbour_count);
-  reader.read("refinement_max_view_distance_m", parameters.refinement.max_view_distance_m);
-  reader.read("refinement_max_angle_rad", parameters.refinement.max_angle_rad);
-  reader.read("refinement_min_inlier_ratio", parameters.refinement.min_inlier_ratio);
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
+  return MapSmootherParameters::table().readAll(reader);
 }
 
 }  // namespace ram_slam

@@ -177,7 +177,7 @@ TEST(LandmarkSmoother, TakesListsWithoutFeaturesAndListsOfOneStamp) {
   EXPECT_EQ(smoothLandmarks({empty.front()}, deadReckoning(drive), {}, {}).trajectory.size(), 1U);
   EXPECT_TRUE(smoothLandmarks(empty, deadReckoning(drive), {}, {}).map.landmarks.empty());
 
-  // One list in two parts, as two detectors tell it.
+  // One list in two parts, as two detectors publish it.
   std::vector<FeatureStep> halves;
   for (const FeatureStep& step : steps(drive)) {
     halves.insert(halves.end(), {step, step});

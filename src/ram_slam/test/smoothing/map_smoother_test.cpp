@@ -50,7 +50,8 @@ std::vector<Pose2> rounds(int count) {
   return poses;
 }
 
-/// The same drive as wheels tell it whose radius is taken 3 % too large and that pull to one side.
+/// The same drive as measured by wheels whose radius is taken 3 % too large and that pull to one
+/// side.
 std::vector<Pose2> drifting(const std::vector<Pose2>& truth) {
   std::vector<Pose2> poses{truth[0]};
   for (std::size_t i = 1; i < truth.size(); ++i) {
@@ -125,8 +126,8 @@ FeatureList pillarsNear(const Pose2& map_from_base, std::int64_t stamp_ns) {
 
 TEST(MapSmoother, RecognisesAPlaceByItsFeaturesWhereverDriftHasBroughtIt) {
   MapSmootherParameters parameters;
-  parameters.loops.min_path_m = 1e6;  // no place is sought by the poses
-  parameters.loop_constellation_path_m = 20.0;
+  parameters.loops.search.min_path_m = 1e6;  // no place is sought by the poses
+  parameters.loops.constellation_path_m = 20.0;
   const std::vector<Pose2> truth = rounds(2);
   const std::vector<Pose2> odometry = drifting(truth);
   TestLaser laser;
@@ -207,7 +208,7 @@ TEST(MapSmoother, GivesAPoseForEachScanAtItsStamp) {
   EXPECT_EQ(trajectory[0].pose.x_m, truth[0].x_m);
 }
 
-TEST(MapSmoother, FindsNoLoopWherePlacesOnlyLookAlike) {
+TEST(MapSmoother, FindsNoLoopBetweenPlacesOfTheSameShape) {
   // Two rooms of the same shape, 40 m of winding corridor apart.
   const auto room = [](double x_m) {
     return outline({{x_m - 2, -2}, {x_m + 2, -2}, {x_m + 2, -0.6}}) +
@@ -272,7 +273,7 @@ TEST(MapSmoother, RefusesWhatItCannotUse) {
   EXPECT_THAT(smoother.trajectory(), SizeIs(1));
 }
 
-TEST(MapSmoother, HasNothingToSayBeforeTheFirstScan) {
+TEST(MapSmoother, HasNoTrajectoryBeforeTheFirstScan) {
   MapSmoother smoother{MapSmootherParameters()};
   smoother.optimize();
   EXPECT_THAT(smoother.trajectory(), IsEmpty());

@@ -14,12 +14,13 @@ namespace ram_slam {
 
 /// Recognises places by the constellation of their features, however far the poses have drifted.
 ///
-/// The features of every stretch of 20 m are kept relative to a key scan, so that they move with
-/// the corrections of the trajectory.
+/// The features of every stretch of the path are kept relative to a key scan, so that they move
+/// with the corrections of the trajectory.
 class ConstellationMemory {
 public:
   /// \param matchers  by type of feature; a type without one is compared by geometry alone
-  explicit ConstellationMemory(const FeatureMatchers& matchers);
+  /// \param stretch_m  path whose features are kept and compared together
+  ConstellationMemory(const FeatureMatchers& matchers, double stretch_m);
 
   /// \param list  features of the newest key scan, in the base frame
   /// \param odom_from_base  the given trajectory at that scan
@@ -30,13 +31,14 @@ public:
   std::optional<Pose2> findPlace(const std::vector<KeyScan>& keys, double min_path_m) const;
 
 private:
-  /// A stretch of the way.
+  /// A stretch of the path.
   struct Stretch {
     std::size_t key = 0;
     Constellation points;  ///< in the base frame of the key scan
   };
 
   FeatureMatchers matchers_;
+  double stretch_m_;
   LocalConstellation recent_;
   std::optional<Pose2> odom_from_base_;
   std::vector<Stretch> stretches_;

@@ -4,24 +4,30 @@
 #include <cstddef>
 #include <vector>
 
+#include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/pose_graph/pose_graph.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"
-#include "ram_slam/smoothing/pose_graph.hpp"
 
 namespace ram_slam {
 
-/// Settings of the joint refinement.
+/// Settings of the joint refinement. Keys are those of config/map_smoother.yaml without
+/// "refinement_".
 struct RefinementParameters {
-  int iterations = 5;  ///< of pairing points anew; 0 leaves the poses as they are
-  int loop_neighbour_count =
-      4;  ///< key scans of other passages that each one is paired with, at most
-  double max_view_distance_m = 2.5;  ///< between what two scans look at
+  int iterations = 5;            ///< of pairing points and solving; 0 leaves the poses as they are
+  int loop_neighbour_count = 4;  ///< key scans of other passages that each one is paired with
+  double max_view_distance_m = 2.5;  ///< between the view centres of two scans
   double max_angle_rad = 3.2;        ///< between their headings
-  double min_inlier_ratio =
-      0.4;  ///< share of points that find a partner; pairs of scans below say nothing
+  double min_inlier_ratio = 0.4;     ///< share of points with a partner; pairs below do not count
 
-  /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
+  int farthest_neighbour = 8;  ///< each key scan is paired with those 1, 2, 4, .. this back
+  int min_loop_gap = 10;       ///< key scans between a scan and one of another passage
+  int min_passage_gap = 5;     ///< key scans between two of those
+  double damping_information =
+      100.0;                  ///< keeps what a pair leaves open where it is: 0.1 m, 0.1 rad
+  int solver_iterations = 3;  ///< of the pose graph, per iteration
+
+  static const ram_parameters::ParameterTable<RefinementParameters>& table();
 };
 
 /// Moves all key scans together so that their points lie on each other's lines: least squares over
@@ -29,8 +35,8 @@ struct RefinementParameters {
 /// (edges between laser poses), which holds what no wall does.
 ///
 /// Each pair's distances are summed into one quadratic form of the relative pose, so that the size
-/// of the problem does not depend on the number of points; points are paired anew in each
-/// iteration.
+/// of the problem does not depend on the number of points; points are paired again in each
+/// iteration (Lu and Milios, Autonomous Robots 1997).
 std::vector<Pose2> refineJointly(const std::vector<KeyScan>& key_scans,
                                  const std::vector<PoseEdge>& motion,
                                  const ScanMatcherParameters& matcher,

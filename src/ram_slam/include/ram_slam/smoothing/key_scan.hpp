@@ -15,12 +15,20 @@ struct KeyScan {
   std::int64_t stamp_ns = 0;
   SurfaceScan surfaces;
   Pose2 base_from_laser;
-  Pose2 map_from_laser;
-  double path_m = 0.0;  ///< driven up to here, turning counted in
-  Eigen::Vector2d view_centre_in_laser_m =
-      Eigen::Vector2d::Zero();  ///< middle of what it sees near by
+  Pose2 odom_from_laser;  ///< as it was given
+  Pose2 map_from_laser;   ///< as it is corrected
+  double path_m = 0.0;    ///< driven up to here, turning counted in
+  /// Mean of the points that it sees near by.
+  Eigen::Vector2d view_centre_in_laser_m = Eigen::Vector2d::Zero();
 
   Pose2 map_from_base() const { return map_from_laser * base_from_laser.inverse(); }
+  Pose2 odom_from_base() const { return odom_from_laser * base_from_laser.inverse(); }
+  Eigen::Vector2d viewCentreInMap() const { return map_from_laser * view_centre_in_laser_m; }
 };
+
+/// The pose of a key scan's laser, seen from that of another one.
+inline Pose2 relativePose(const KeyScan& from, const KeyScan& to) {
+  return from.map_from_laser.inverse() * to.map_from_laser;
+}
 
 }  // namespace ram_slam

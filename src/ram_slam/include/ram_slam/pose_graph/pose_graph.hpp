@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstddef>
-#include <iosfwd>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 
 namespace ram_slam {
@@ -38,9 +38,13 @@ struct PoseGraphParameters {
   /// covariance scaling (Agarwal et al., ICRA 2013).
   double closure_tolerance_chi2 = 5.0;
   int max_iterations = 20;
+  double precision = 1e-7;        ///< relative change of the cost at which the solution is final
+  double rough_precision = 1e-4;  ///< the same of the solutions before the last
+  double tolerance_step = 8.0;    ///< by which the tolerance shrinks from solution to solution
 
+  static const ram_parameters::ParameterTable<PoseGraphParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
-  void validate() const;
+  void validate() const { table().check(*this); }
 };
 
 /// The poses that agree best with the edges: the least sum of e^T information e with
@@ -60,11 +64,5 @@ Eigen::Matrix3d withFloor(const Eigen::Matrix3d& information,
 
 /// Squared Mahalanobis distance of an edge at given poses.
 double edgeChi2(const PoseEdge& edge, const std::vector<Pose2>& map_from_node);
-
-/// Writes the graph in g2o's text format (VERTEX_SE2, EDGE_SE2, FIX of the first vertex).
-void writeG2o(const PoseGraph& graph, std::ostream& out);
-
-/// Reads what writeG2o() writes. \throws std::runtime_error naming the line that is damaged
-PoseGraph readG2o(std::istream& in);
 
 }  // namespace ram_slam

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ram_slam/smoothing/pose_graph.hpp"
+#include "ram_slam/pose_graph/pose_graph.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <istream>
-#include <limits>
-#include <ostream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
@@ -20,11 +17,6 @@ namespace ram_slam {
 namespace {
 
 using Parameters = std::array<double, 3>;
-
-// Relative change of the cost at which a solution is good enough, the last and those on the way.
-constexpr double kPrecise = 1e-7;
-constexpr double kRough = 1e-4;
-constexpr double kGraduation = 8.0;  // by which the tolerance shrinks from one solution to the next
 
 Eigen::Vector3d edgeError(const PoseEdge& edge, const double* from, const double* to) {
   const double c = std::cos(from[2]);
@@ -127,14 +119,13 @@ std::vector<Parameters> toParameters(const std::vector<Pose2>& poses) {
 }
 
 /// One least-squares problem, from given poses, with one tolerance for the edges that may be false.
-std::vector<Pose2> solve(const std::vector<PoseEdge>& edges,
-                         const std::vector<Pose2>& map_from_node,
+std::vector<Pose2> solve(const PoseGraph& graph,
                          double tolerance_chi2,
                          int max_iterations,
-                         double function_tolerance) {
-  std::vector<Parameters> poses = toParameters(map_from_node);
+                         double precision) {
+  std::vector<Parameters> poses = toParameters(graph.map_from_node);
   ceres::Problem problem;
-  for (const PoseEdge& edge : edges) {
+  for (const PoseEdge& edge : graph.edges) {
     ceres::LossFunction* kernel =
         edge.may_be_false
             ? static_cast<ceres::LossFunction*>(new DynamicCovarianceScaling(tolerance_chi2))
@@ -145,7 +136,7 @@ std::vector<Pose2> solve(const std::vector<PoseEdge>& edges,
   problem.AddParameterBlock(poses.front().data(), 3);
   problem.SetParameterBlockConstant(poses.front().data());
 
-  solveLeastSquares(problem, max_iterations, function_tolerance, "pose graph not solved");
+  solveLeastSquares(problem, max_iterations, precision, "pose graph not solved");
 
   std::vector<Pose2> solution;
   for (const Parameters& pose : poses) solution.push_back({pose[0], pose[1], wrapAngle(pose[2])});
@@ -154,50 +145,65 @@ std::vector<Pose2> solve(const std::vector<PoseEdge>& edges,
 
 }  // namespace
 
-void PoseGraphParameters::validate() const {
-  if (!(closure_tolerance_chi2 > 0.0)) {
-    throw std::invalid_argument("closure_tolerance_chi2 must be > 0, got " +
-                                std::to_string(closure_tolerance_chi2));
-  }
-  if (max_iterations < 1) {
-    throw std::invalid_argument("max_iterations must be >= 1, got " +
-                                std::to_string(max_iterations));
-  }
+const ram_parameters::ParameterTable<PoseGraphParameters>& PoseGraphParameters::table() {
+  using namespace ram_parameters;
+  using P = PoseGraphParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("closure_tolerance_chi2", &P::closure_tolerance_chi2, "", positive(),
+               "Squared Mahalanobis distance up to which a closure is believed in full.")
+          .add("graph_max_iterations", &P::max_iterations, "", atLeast(1),
+               "Most iterations of one solution of the graph.")
+          .expert("Precision of the pose graph")
+          .add("graph_precision", &P::precision, "", positive(),
+               "Relative change of the cost at which the last solution ends.")
+          .add("graph_rough_precision", &P::rough_precision, "", positive(),
+               "The same for the solutions before, which tolerate more.")
+          .add("graph_tolerance_step", &P::tolerance_step, "", above(1.0),
+               "By what the tolerance of closures is divided from one solution to the next.");
+  return table;
 }
+
+namespace {
+
+/// The largest squared Mahalanobis distance of an edge that may be false; 0 without any.
+double largestDoubtfulChi2(const PoseGraph& graph) {
+  double largest = 0.0;
+  for (const PoseEdge& edge : graph.edges) {
+    if (edge.may_be_false) largest = std::max(largest, edgeChi2(edge, graph.map_from_node));
+  }
+  return largest;
+}
+
+}  // namespace
 
 PoseGraphSolution solvePoseGraph(const PoseGraph& graph, const PoseGraphParameters& parameters) {
   check(graph);
   PoseGraphSolution solution;
-  solution.map_from_node = graph.map_from_node;
   solution.edge_trust.assign(graph.edges.size(), 1.0);
+  solution.map_from_node = graph.map_from_node;
   if (graph.edges.empty()) return solution;
 
-  // Graduated (Yang et al., RA-L 2020): at first every edge is believed, then ever less
-  // disagreement is tolerated. A true closure of a long loop would otherwise be disbelieved for the
-  // drift that it is there to correct.
-  double tolerance_chi2 = parameters.closure_tolerance_chi2;
-  for (const PoseEdge& edge : graph.edges) {
-    if (edge.may_be_false)
-      tolerance_chi2 = std::max(tolerance_chi2, edgeChi2(edge, graph.map_from_node));
-  }
+  // Graduated (Yang et al., RA-L 2020): at first every edge is believed, then ever less error is
+  // tolerated. A true closure of a long loop would otherwise be disbelieved for the drift that it
+  // is there to correct.
+  PoseGraph solved = graph;
+  double tolerance_chi2 = std::max(parameters.closure_tolerance_chi2, largestDoubtfulChi2(solved));
   while (true) {
     const bool is_last = tolerance_chi2 <= parameters.closure_tolerance_chi2;
-    solution.map_from_node = solve(graph.edges, solution.map_from_node, tolerance_chi2,
-                                   parameters.max_iterations, is_last ? kPrecise : kRough);
+    solved.map_from_node = solve(solved, tolerance_chi2, parameters.max_iterations,
+                                 is_last ? parameters.precision : parameters.rough_precision);
     if (is_last) break;
-    double largest_chi2 = 0.0;
-    for (const PoseEdge& edge : graph.edges) {
-      if (edge.may_be_false)
-        largest_chi2 = std::max(largest_chi2, edgeChi2(edge, solution.map_from_node));
-    }
-    tolerance_chi2 = std::max(parameters.closure_tolerance_chi2,
-                              std::min(largest_chi2, tolerance_chi2) / kGraduation);
+    tolerance_chi2 =
+        std::max(parameters.closure_tolerance_chi2,
+                 std::min(largestDoubtfulChi2(solved), tolerance_chi2) / parameters.tolerance_step);
   }
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {
     if (!graph.edges[i].may_be_false) continue;
     solution.edge_trust[i] =
-        trust(edgeChi2(graph.edges[i], solution.map_from_node), parameters.closure_tolerance_chi2);
+        trust(edgeChi2(graph.edges[i], solved.map_from_node), parameters.closure_tolerance_chi2);
   }
+  solution.map_from_node = std::move(solved.map_from_node);
   return solution;
 }
 
@@ -216,58 +222,6 @@ double edgeChi2(const PoseEdge& edge, const std::vector<Pose2>& map_from_node) {
   const Parameters b{to.x_m, to.y_m, to.yaw_rad};
   const Eigen::Vector3d error = edgeError(edge, a.data(), b.data());
   return error.dot(edge.information * error);
-}
-
-void writeG2o(const PoseGraph& graph, std::ostream& out) {
-  const auto precision = out.precision(std::numeric_limits<double>::max_digits10);
-  for (std::size_t i = 0; i < graph.map_from_node.size(); ++i) {
-    const Pose2& pose = graph.map_from_node[i];
-    out << "VERTEX_SE2 " << i << ' ' << pose.x_m << ' ' << pose.y_m << ' ' << pose.yaw_rad << '\n';
-  }
-  if (!graph.map_from_node.empty()) out << "FIX 0\n";
-  for (const PoseEdge& edge : graph.edges) {
-    out << "EDGE_SE2 " << edge.from << ' ' << edge.to << ' ' << edge.from_from_to.x_m << ' '
-        << edge.from_from_to.y_m << ' ' << edge.from_from_to.yaw_rad;
-    for (int row = 0; row < 3; ++row) {
-      for (int column = row; column < 3; ++column) out << ' ' << edge.information(row, column);
-    }
-    out << '\n';
-  }
-  out.precision(precision);
-}
-
-PoseGraph readG2o(std::istream& in) {
-  PoseGraph graph;
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
-    if (kind == "VERTEX_SE2") {
-      std::size_t id = 0;
-      Pose2 pose;
-      words >> id >> pose.x_m >> pose.y_m >> pose.yaw_rad;
-      if (!words || id != graph.map_from_node.size()) {
-        throw std::runtime_error("line " + std::to_string(number) +
-                                 " is not the next vertex: " + line);
-      }
-      graph.map_from_node.push_back(pose);
-    } else if (kind == "EDGE_SE2") {
-      PoseEdge edge;
-      words >> edge.from >> edge.to >> edge.from_from_to.x_m >> edge.from_from_to.y_m >>
-          edge.from_from_to.yaw_rad;
-      for (int row = 0; row < 3; ++row) {
-        for (int column = row; column < 3; ++column) {
-          words >> edge.information(row, column);
-          edge.information(column, row) = edge.information(row, column);
-        }
-      }
-      if (!words)
-        throw std::runtime_error("line " + std::to_string(number) + " is not an edge: " + line);
-      graph.edges.push_back(edge);
-    }
-  }
-  return graph;
 }
 
 }  // namespace ram_slam

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ram_slam/smoothing/pose_graph.hpp"
+#include "ram_slam/pose_graph/pose_graph.hpp"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -27,7 +26,7 @@ PoseEdge between(const std::vector<Pose2>& poses, std::size_t from, std::size_t 
   return edge;
 }
 
-/// A drive of `laps` about a square of 10 m with a pose each half metre.
+/// Laps about a square of 10 m with a pose each half metre.
 std::vector<Pose2> laps(int count) {
   std::vector<Pose2> poses{Pose2{}};
   for (int step = 0; step < 80 * count; ++step) {
@@ -37,7 +36,7 @@ std::vector<Pose2> laps(int count) {
   return poses;
 }
 
-/// The drive as odometry of some noise tells it, with true closures between the laps.
+/// The drive as noisy odometry measures it, with true closures between the laps.
 PoseGraph noisyGraph(const std::vector<Pose2>& truth) {
   PoseGraph graph;
   Random random(3);
@@ -67,7 +66,7 @@ double meanError(const std::vector<Pose2>& poses, const std::vector<Pose2>& trut
 }
 
 TEST(SolvePoseGraph, SpreadsAMisfitEvenlyOverAChainAndItsClosure) {
-  // n edges of 1 m and a closure that says n + r: each edge takes r / (n + 1).
+  // n edges of 1 m and a closure that measures n + r: each edge takes r / (n + 1).
   constexpr std::size_t kEdges = 9;
   constexpr double kMisfitM = 0.5;
   PoseGraph graph;
@@ -155,21 +154,6 @@ TEST(SolvePoseGraph, RefusesEdgesThatMakeNoSense) {
   graph.edges[0].from_from_to.x_m = NAN;
   EXPECT_THAT([&] { solvePoseGraph(graph, {}); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("not finite")));
-}
-
-TEST(G2o, ReadsBackWhatItWrote) {
-  PoseGraph graph = noisyGraph(laps(1));
-  graph.edges[0].information(0, 1) = graph.edges[0].information(1, 0) = 1.0 / 3.0;
-  std::stringstream file;
-  writeG2o(graph, file);
-  const PoseGraph read = readG2o(file);
-  ASSERT_EQ(read.map_from_node.size(), graph.map_from_node.size());
-  ASSERT_EQ(read.edges.size(), graph.edges.size());
-  EXPECT_EQ(read.map_from_node[7].y_m, graph.map_from_node[7].y_m);
-  EXPECT_EQ(read.edges[0].information, graph.edges[0].information);
-  EXPECT_EQ(read.edges[5].from_from_to.yaw_rad, graph.edges[5].from_from_to.yaw_rad);
-  std::istringstream damaged("VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 zero\n");
-  EXPECT_THAT([&] { readG2o(damaged); }, ThrowsMessage<std::runtime_error>(HasSubstr("line 2")));
 }
 
 }  // namespace

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/motion/motion_noise.hpp"
+#include "ram_slam/pose_graph/pose_graph.hpp"
+#include "ram_slam/scan_matching/scan_matcher.hpp"
+#include "ram_slam/scan_matching/surface_scan.hpp"
+#include "ram_slam/sensing/laser_scan.hpp"
+#include "ram_slam/smoothing/key_scan.hpp"
+
+namespace ram_slam {
+
+/// Settings of KeyScans. Keys are those of config/map_smoother.yaml.
+struct KeyScanParameters {
+  double distance_m = 0.3;  ///< a new key scan after so much motion
+  double angle_rad = 0.3;   ///< or so much turning
+  /// Of the given motion between two key scans, where the scans do not measure it better.
+  MotionNoise motion_noise;
+  /// Standard deviation of the alignment of successive key scans beyond what the noise of their
+  /// readings explains: moving things, scans out of the plane.
+  double match_deviation_m = 0.005;
+  double match_deviation_rad = 0.003;
+
+  double view_range_m = 8.0;    ///< points farther away do not count for the view centre
+  double path_m_per_rad = 0.5;  ///< turning counts as path: odometry drifts by it, too
+  int farthest_reference = 4;   ///< a new key scan is aligned with those 1, 2, 4, .. this back
+  /// Of the scans between two key scans those are aligned, too, that are so far from each other.
+  double between_distance_m = 0.05;
+  double between_angle_rad = 0.05;
+  int between_reference_count = 3;  ///< newest key scans that those are aligned with
+
+  static const ram_parameters::ParameterTable<KeyScanParameters>& table();
+};
+
+/// The scans of a run: which of them are kept as key scans, how these are aligned with each other,
+/// and where all other scans are, relative to the key scans before and after them.
+class KeyScans {
+public:
+  /// \param min_inlier_ratio  share of a scan's points that must find a partner in the key scans
+  ///   for the alignment of a scan between two key scans to count
+  KeyScans(const KeyScanParameters& parameters,
+           const SurfaceParameters& surfaces,
+           const ScanMatcherParameters& matcher,
+           double min_inlier_ratio);
+
+  /// \param odom_from_base  the given trajectory at the scan's stamp
+  /// \return whether it is a key scan; it is then the last of keys()
+  /// \throws std::invalid_argument, the state untouched, if the scan cannot be used, a pose is not
+  ///   finite or the stamp is not later than that of the scan before
+  bool add(const LaserScan& scan, const Pose2& base_from_laser, const Pose2& odom_from_base);
+
+  bool empty() const { return scans_.empty(); }
+  std::int64_t newestStampNs() const { return scans_.back().stamp_ns; }
+  const std::vector<KeyScan>& keys() const { return keys_; }
+
+  /// \param map_from_laser  the pose of each key scan
+  void setPoses(const std::vector<Pose2>& map_from_laser);
+
+  /// Edges between the laser poses of successive key scans, as they were given.
+  std::vector<PoseEdge> givenMotion() const;
+  /// The same after the alignment of their scans.
+  const std::vector<PoseEdge>& alignedMotion() const { return aligned_motion_; }
+
+  /// The corrected pose of the base at each scan's stamp.
+  std::vector<StampedPose2> trajectory() const;
+
+private:
+  struct ScanRecord {
+    std::int64_t stamp_ns = 0;
+    std::size_t key = 0;  ///< the key scan at or before it
+    Pose2 odom_from_base;
+    /// What its own alignment adds to the pose that the key scans before and after give it.
+    Pose2 shift = {};
+  };
+
+  /// A scan since the newest key scan that is aligned with it and the next one.
+  struct BetweenScan {
+    std::size_t record = 0;  ///< index into scans_
+    SurfaceScan surfaces;
+    Pose2 base_from_laser;
+  };
+
+  bool isKeyScan(const Pose2& odom_from_base) const;
+  bool isBetweenScan(const Pose2& odom_from_base) const;
+  SurfaceScan surfacesOf(const LaserScan& scan,
+                         const Pose2& base_from_laser,
+                         const Pose2& odom_from_base) const;
+  void addKeyScan(std::int64_t stamp_ns,
+                  SurfaceScan surfaces,
+                  const Pose2& base_from_laser,
+                  const Pose2& odom_from_base);
+  /// Aligns the newest key scan with those before it.
+  void alignNewest();
+  PoseEdge givenEdge(std::size_t to) const;
+  /// Some key scans before one, seen from the last of them.
+  std::vector<ReferenceScan> scansBefore(std::size_t key) const;
+  /// Aligns the scans between the two newest key scans.
+  void alignBetweenScans();
+  /// Gives the scans between those aligned their shares of the shifts; there is none at either key
+  /// scan.
+  void shareShifts(std::int64_t from_ns, std::int64_t to_ns);
+  /// Where the key scans before and after a scan put the base.
+  Pose2 poseByKeyScans(const ScanRecord& scan) const;
+
+  KeyScanParameters parameters_;
+  SurfaceParameters surfaces_;
+  ScanMatcherParameters matcher_;
+  double min_inlier_ratio_;
+  std::vector<ScanRecord> scans_;
+  std::vector<BetweenScan> between_scans_;
+  std::vector<KeyScan> keys_;
+  std::vector<PoseEdge> aligned_motion_;
+};
+
+}  // namespace ram_slam

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/smoothing/key_scans.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "ram_slam/geometry/motion_gate.hpp"
+
+namespace ram_slam {
+namespace {
+
+Eigen::Vector2d viewCentre(const SurfaceScan& surfaces, double range_m) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double count = 0.0;
+  for (const SurfacePoint& point : surfaces.points) {
+    const Eigen::Vector2d place(point.x_m, point.y_m);
+    if (place.norm() > range_m) continue;
+    sum += place;
+    count += 1.0;
+  }
+  return count > 0.0 ? Eigen::Vector2d(sum / count) : sum;
+}
+
+}  // namespace
+
+const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::table() {
+  using namespace ram_parameters;
+  using P = KeyScanParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .heading("Key scans")
+          .add("key_scan_distance_m", &P::distance_m, "m", positive(),
+               "A new key scan is taken after so much motion.")
+          .add("key_scan_angle_rad", &P::angle_rad, "rad", positive(),
+               "A new key scan is taken after so much turning.")
+          .heading("Given motion between two key scans, where the scans do not measure it better")
+          .include(&P::motion_noise, MotionNoise::table(), "motion_")
+          .heading("Alignment of successive key scans beyond what the noise of the scans explains")
+          .add("match_deviation_m", &P::match_deviation_m, "m", positive(),
+               "Standard deviation of the position, per axis.")
+          .add("match_deviation_rad", &P::match_deviation_rad, "rad", positive(),
+               "Standard deviation of the heading.")
+          .expert("Choice and alignment of key scans")
+          .add("view_range_m", &P::view_range_m, "m", positive(),
+               "Points farther away do not count for the centre of what a scan sees.")
+          .add("path_m_per_rad", &P::path_m_per_rad, "m/rad", atLeast(0.0),
+               "Path that turning counts as, because odometry drifts by it, too.")
+          .add("farthest_reference", &P::farthest_reference, "", atLeast(1),
+               "A new key scan is aligned with those 1, 2, 4, .. back, up to this.")
+          .add("between_distance_m", &P::between_distance_m, "m", positive(),
+               "Between two key scans a scan is aligned, too, after so much motion.")
+          .add("between_angle_rad", &P::between_angle_rad, "rad", positive(),
+               "Between two key scans a scan is aligned, too, after so much turning.")
+          .add("between_reference_count", &P::between_reference_count, "", atLeast(1),
+               "Newest key scans that the scans between two of them are aligned with.");
+  return table;
+}
+
+KeyScans::KeyScans(const KeyScanParameters& parameters,
+                   const SurfaceParameters& surfaces,
+                   const ScanMatcherParameters& matcher,
+                   double min_inlier_ratio)
+    : parameters_(parameters),
+      surfaces_(surfaces),
+      matcher_(matcher),
+      min_inlier_ratio_(min_inlier_ratio) {}
+
+bool KeyScans::add(const LaserScan& scan,
+                   const Pose2& base_from_laser,
+                   const Pose2& odom_from_base) {
+  if (!base_from_laser.isFinite() || !odom_from_base.isFinite())
+    throw std::invalid_argument("pose not finite");
+  scan.validate();
+  if (!scans_.empty() && scan.stamp_ns <= scans_.back().stamp_ns) {
+    throw std::invalid_argument("scan of stamp " + std::to_string(scan.stamp_ns) +
+                                " ns, not later than the last one, " +
+                                std::to_string(scans_.back().stamp_ns) + " ns");
+  }
+  const bool is_key = keys_.empty() || isKeyScan(odom_from_base);
+  if (is_key) {
+    addKeyScan(scan.stamp_ns, surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser,
+               odom_from_base);
+  } else if (isBetweenScan(odom_from_base)) {
+    between_scans_.push_back(
+        {scans_.size(), surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser});
+  }
+  scans_.push_back({scan.stamp_ns, keys_.size() - 1, odom_from_base});
+  return is_key;
+}
+
+bool KeyScans::isKeyScan(const Pose2& odom_from_base) const {
+  const MotionGate gate{parameters_.distance_m, parameters_.angle_rad};
+  return gate.isReachedBy(keys_.back().odom_from_base().inverse() * odom_from_base);
+}
+
+bool KeyScans::isBetweenScan(const Pose2& odom_from_base) const {
+  const MotionGate gate{parameters_.between_distance_m, parameters_.between_angle_rad};
+  const Pose2 odom_from_last = between_scans_.empty()
+                                   ? keys_.back().odom_from_base()
+                                   : scans_[between_scans_.back().record].odom_from_base;
+  return gate.isReachedBy(odom_from_last.inverse() * odom_from_base);
+}
+
+SurfaceScan KeyScans::surfacesOf(const LaserScan& scan,
+                                 const Pose2& base_from_laser,
+                                 const Pose2& odom_from_base) const {
+  Pose2 last_beam;
+  if (!scans_.empty()) {
+    const Pose2 motion = scans_.back().odom_from_base.inverse() * odom_from_base;
+    last_beam = continued(base_from_laser.inverse() * motion * base_from_laser,
+                          scan.stamp_ns - scans_.back().stamp_ns, scan.duration_ns());
+  }
+  return extractSurfaces(scan, surfaces_, last_beam);
+}
+
+void KeyScans::addKeyScan(std::int64_t stamp_ns,
+                          SurfaceScan surfaces,
+                          const Pose2& base_from_laser,
+                          const Pose2& odom_from_base) {
+  KeyScan key;
+  key.stamp_ns = stamp_ns;
+  key.view_centre_in_laser_m = viewCentre(surfaces, parameters_.view_range_m);
+  key.surfaces = std::move(surfaces);
+  key.base_from_laser = base_from_laser;
+  key.odom_from_laser = odom_from_base * base_from_laser;
+  key.map_from_laser = key.odom_from_laser;
+  if (!keys_.empty()) {
+    const KeyScan& last = keys_.back();
+    const Pose2 motion = last.odom_from_laser.inverse() * key.odom_from_laser;
+    key.map_from_laser = last.map_from_laser * motion;
+    key.path_m = last.path_m + motion.translation().norm() +
+                 parameters_.path_m_per_rad * std::abs(motion.yaw_rad);
+  }
+  keys_.push_back(std::move(key));
+  if (keys_.size() == 1) return;
+  alignNewest();
+  alignBetweenScans();
+}
+
+void KeyScans::alignNewest() {
+  // The given motion is the prior of the alignment.
+  PoseEdge edge = givenEdge(keys_.size() - 1);
+  const ScanMatch match =
+      matchScan(keys_.back().surfaces, scansBefore(edge.to), {edge.from_from_to, edge.information},
+                edge.from_from_to, matcher_);
+  edge.from_from_to = match.map_from_laser;
+  edge.information = withFloor(edge.information + match.information, parameters_.match_deviation_m,
+                               parameters_.match_deviation_rad);
+  aligned_motion_.push_back(edge);
+  keys_.back().map_from_laser = keys_[edge.from].map_from_laser * edge.from_from_to;
+}
+
+std::vector<ReferenceScan> KeyScans::scansBefore(std::size_t key) const {
+  const auto farthest = static_cast<std::size_t>(parameters_.farthest_reference);
+  std::vector<ReferenceScan> references;
+  for (std::size_t back = 1; back <= std::min(key, farthest); back *= 2) {
+    references.push_back(
+        {&keys_[key - back].surfaces, relativePose(keys_[key - 1], keys_[key - back])});
+  }
+  return references;
+}
+
+PoseEdge KeyScans::givenEdge(std::size_t to) const {
+  PoseEdge edge;
+  edge.from = to - 1;
+  edge.to = to;
+  edge.from_from_to = keys_[to - 1].odom_from_laser.inverse() * keys_[to].odom_from_laser;
+  edge.information = parameters_.motion_noise.information(edge.from_from_to);
+  return edge;
+}
+
+std::vector<PoseEdge> KeyScans::givenMotion() const {
+  std::vector<PoseEdge> edges;
+  for (std::size_t to = 1; to < keys_.size(); ++to) edges.push_back(givenEdge(to));
+  return edges;
+}
+
+void KeyScans::alignBetweenScans() {
+  if (between_scans_.empty()) return;
+  const auto most = static_cast<std::size_t>(parameters_.between_reference_count);
+  std::vector<ReferenceScan> references;
+  for (std::size_t key = keys_.size() - std::min(keys_.size(), most); key < keys_.size(); ++key)
+    references.push_back({&keys_[key].surfaces, keys_[key].map_from_laser});
+  const KeyScan& before = keys_[keys_.size() - 2];
+  for (const BetweenScan& between : between_scans_) {
+    ScanRecord& scan = scans_[between.record];
+    const Pose2 expected = poseByKeyScans(scan) * between.base_from_laser;
+    const Pose2 motion =
+        before.odom_from_laser.inverse() * scan.odom_from_base * between.base_from_laser;
+    const PosePrior prior{expected, parameters_.motion_noise.information(motion)};
+    const ScanMatch match = matchScan(between.surfaces, references, prior, expected, matcher_);
+    if (match.inlier_ratio < min_inlier_ratio_) continue;
+    const Pose2 shift = expected.inverse() * match.map_from_laser;
+    scan.shift = between.base_from_laser * shift * between.base_from_laser.inverse();
+  }
+  shareShifts(before.stamp_ns, keys_.back().stamp_ns);
+  between_scans_.clear();
+}
+
+void KeyScans::shareShifts(std::int64_t from_ns, std::int64_t to_ns) {
+  std::size_t i = between_scans_.front().record;
+  while (i > 0 && scans_[i - 1].stamp_ns > from_ns) --i;
+  Pose2 from_shift;
+  const auto shareUpTo = [&](std::size_t end, std::int64_t end_ns, const Pose2& end_shift) {
+    for (; i < end; ++i) {
+      const auto since = static_cast<double>(scans_[i].stamp_ns - from_ns);
+      scans_[i].shift =
+          interpolate(from_shift, end_shift, since / static_cast<double>(end_ns - from_ns));
+    }
+    from_ns = end_ns;
+    from_shift = end_shift;
+  };
+  for (const BetweenScan& between : between_scans_) {
+    const ScanRecord& scan = scans_[between.record];
+    shareUpTo(between.record, scan.stamp_ns, scan.shift);
+    ++i;  // itself
+  }
+  shareUpTo(scans_.size(), to_ns, {});
+}
+
+Pose2 KeyScans::poseByKeyScans(const ScanRecord& scan) const {
+  // It keeps its place relative to each of the two, each by the share of the other's path.
+  const auto corrected = [&scan](const KeyScan& key) {
+    const Pose2 key_laser_from_base = key.odom_from_laser.inverse() * scan.odom_from_base;
+    return key.map_from_laser * key_laser_from_base;
+  };
+  const KeyScan& before = keys_[scan.key];
+  const Pose2 pose = corrected(before);
+  if (scan.key + 1 == keys_.size() || scan.stamp_ns == before.stamp_ns) return pose;
+  const KeyScan& after = keys_[scan.key + 1];
+  const auto since = static_cast<double>(scan.stamp_ns - before.stamp_ns);
+  const auto interval = static_cast<double>(after.stamp_ns - before.stamp_ns);
+  return interpolate(pose, corrected(after), since / interval);
+}
+
+void KeyScans::setPoses(const std::vector<Pose2>& map_from_laser) {
+  for (std::size_t i = 0; i < keys_.size(); ++i) keys_[i].map_from_laser = map_from_laser[i];
+}
+
+std::vector<StampedPose2> KeyScans::trajectory() const {
+  std::vector<StampedPose2> poses;
+  poses.reserve(scans_.size());
+  for (const ScanRecord& scan : scans_)
+    poses.push_back({scan.stamp_ns, poseByKeyScans(scan) * scan.shift});
+  return poses;
+}
+
+}  // namespace ram_slam

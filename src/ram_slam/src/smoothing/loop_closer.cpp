@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/smoothing/loop_closer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "ram_slam/smoothing/graph_paths.hpp"
+
+namespace ram_slam {
+namespace {
+
+std::size_t distance(std::size_t a, std::size_t b) {
+  return a > b ? a - b : b - a;
+}
+
+/// The key scan up to some path whose view centre is nearest to a place in the map.
+struct NearestView {
+  std::size_t key = 0;
+  double distance_m = std::numeric_limits<double>::infinity();
+};
+
+NearestView nearestView(const std::vector<KeyScan>& key_scans,
+                        const Eigen::Vector2d& place_m,
+                        double max_path_m) {
+  NearestView nearest;
+  for (std::size_t i = 0; i < key_scans.size() && key_scans[i].path_m <= max_path_m; ++i) {
+    const double distance_m = (key_scans[i].viewCentreInMap() - place_m).norm();
+    if (distance_m < nearest.distance_m) nearest = {i, distance_m};
+  }
+  return nearest;
+}
+
+}  // namespace
+
+const ram_parameters::ParameterTable<LoopCloserParameters>& LoopCloserParameters::table() {
+  using namespace ram_parameters;
+  using P = LoopCloserParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .heading("Closures beyond what the noise of the scans explains, as the views differ more")
+          .add("closure_deviation_m", &P::closure_deviation_m, "m", positive(),
+               "Standard deviation of the position, per axis.")
+          .add("closure_deviation_rad", &P::closure_deviation_rad, "rad", positive(),
+               "Standard deviation of the heading.")
+          .heading("Search for loops")
+          .add("loop_search_distance_m", &P::search_distance_m, "m", positive(),
+               "Path between two searches.")
+          .add("loop_constellation_path_m", &P::constellation_path_m, "m", atLeast(0.0),
+               "After so much path without a closure, features recognise places, too; 0: never.")
+          .include(&P::search, LoopSearchParameters::table(), "loop_")
+          .expert("When and where loops are searched")
+          .add("loop_closure_path_m", &P::closure_path_m, "m", atLeast(0.0),
+               "Path that a closure is as good as, where the shortest way is sought.")
+          .add("loop_verified_candidates", &P::verified_candidates, "", atLeast(1),
+               "Most candidates of one key scan that are verified.")
+          .add("loop_constellation_step_m", &P::constellation_step_m, "m", atLeast(0.0),
+               "Path between two searches by features.")
+          .add("loop_constellation_stretch_m", &P::constellation_stretch_m, "m", positive(),
+               "Path whose features are compared with those of earlier stretches.")
+          .add("loop_kept_feature_lists", &P::kept_feature_lists, "", atLeast(1),
+               "Feature lists that are kept until the scan of their stamp comes.")
+          .add("loop_refused_reach", &P::refused_reach, "", atLeast(0),
+               "Key scans beside a refused closure between which it is not searched again.")
+          .add("loop_accepted_reach", &P::accepted_reach, "", atLeast(0),
+               "The same of an accepted closure.")
+          .add("loop_failed_reach", &P::failed_reach, "", atLeast(0),
+               "The same of a search that failed, if it covers the window of the new one.")
+          .add("loop_failed_margin_m", &P::failed_margin_m, "m", atLeast(0.0),
+               "By how much the new window may reach beyond it.")
+          .add("loop_failed_margin_rad", &P::failed_margin_rad, "rad", atLeast(0.0),
+               "By how much the new window may be turned beyond it.")
+          .add("loop_sweep_path_m", &P::sweep_path_m, "m", positive(),
+               "Path along which poses may still have drifted once all loops found are closed.")
+          .add("closure_min_trust", &P::min_trust, "", within(0.0, 1.0),
+               "A closure is outvoted that the pose graph believes less.");
+  return table;
+}
+
+LoopCloser::LoopCloser(const LoopCloserParameters& parameters,
+                       const ScanMatcherParameters& matcher,
+                       const FeatureMatchers& matchers)
+    : parameters_(parameters),
+      matcher_(matcher),
+      constellations_(matchers, parameters.constellation_stretch_m) {}
+
+void LoopCloser::addFeatures(const FeatureList& list) {
+  if (parameters_.constellation_path_m == 0.0) return;  // they are not used
+  const auto later =
+      std::find_if(features_.begin(), features_.end(),
+                   [&list](const FeatureList& other) { return other.stamp_ns > list.stamp_ns; });
+  features_.insert(later, list);
+  if (features_.size() > static_cast<std::size_t>(parameters_.kept_feature_lists))
+    features_.pop_front();
+}
+
+void LoopCloser::useFeatures(const std::vector<KeyScan>& key_scans) {
+  if (key_scans.empty()) return;
+  const KeyScan& key = key_scans.back();
+  while (!features_.empty() && features_.front().stamp_ns < key.stamp_ns) features_.pop_front();
+  if (features_.empty() || features_.front().stamp_ns != key.stamp_ns) return;
+  constellations_.add(features_.front(), key_scans, key.odom_from_base());
+  features_.pop_front();
+}
+
+void LoopCloser::searchIfDue(const std::vector<KeyScan>& key_scans,
+                             const ClosureHandler& on_closure) {
+  const std::size_t newest = key_scans.size() - 1;
+  if (key_scans[newest].path_m - searched_path_m_ < parameters_.search_distance_m) return;
+  const bool found =
+      searchByPoses(key_scans, newest, std::numeric_limits<double>::infinity(), false, on_closure);
+  if (!found) searchByFeatures(key_scans, on_closure);
+}
+
+bool LoopCloser::sweep(const std::vector<KeyScan>& key_scans, const ClosureHandler& on_closure) {
+  bool found = false;
+  double searched_path_m = 0.0;
+  for (std::size_t key = 0; key < key_scans.size(); ++key) {
+    if (key_scans[key].path_m - searched_path_m < parameters_.search_distance_m) continue;
+    searched_path_m = key_scans[key].path_m;
+    found = searchByPoses(key_scans, key, parameters_.sweep_path_m, true, on_closure) || found;
+  }
+  return found;
+}
+
+bool LoopCloser::searchByPoses(const std::vector<KeyScan>& key_scans,
+                               std::size_t newest,
+                               double max_path_m,
+                               bool is_sweep,
+                               const ClosureHandler& on_closure) {
+  searched_path_m_ = key_scans[newest].path_m;
+  std::vector<double> paths_m = pathsTo(newest, key_scans);
+  for (double& path_m : paths_m) path_m = std::min(path_m, max_path_m);
+  std::vector<std::size_t> candidates =
+      findLoopCandidates(key_scans, newest, paths_m, parameters_.search);
+  const auto most = static_cast<std::size_t>(parameters_.verified_candidates);
+  if (candidates.size() > most) candidates.resize(most);
+  bool found = false;
+  for (const std::size_t candidate : candidates) {
+    if (isSettled(candidate, newest)) continue;
+    const SearchWindow window = searchWindow(paths_m[candidate], parameters_.search);
+    if (is_sweep && wasSearched(key_scans, candidate, newest, window)) continue;
+    const Pose2 from_from_to = relativePose(key_scans[candidate], key_scans[newest]);
+    const LoopQuery query{candidate, newest, key_scans[newest].map_from_laser, window};
+    if (tryClosing(key_scans, query, on_closure)) {
+      found = true;
+    } else {
+      failed_searches_.push_back({candidate, newest, from_from_to, window});
+    }
+  }
+  return found;
+}
+
+void LoopCloser::searchByFeatures(const std::vector<KeyScan>& key_scans,
+                                  const ClosureHandler& on_closure) {
+  const std::size_t newest = key_scans.size() - 1;
+  const double path_m = key_scans[newest].path_m;
+  const double wait_m = parameters_.constellation_path_m;
+  if (wait_m == 0.0 || path_m - closed_path_m_ < wait_m) return;
+  closed_path_m_ = path_m - wait_m + parameters_.constellation_step_m;
+  const std::optional<Pose2> map_from_base = constellations_.findPlace(key_scans, wait_m);
+  if (!map_from_base) return;
+  const Pose2 map_from_laser = *map_from_base * key_scans[newest].base_from_laser;
+  const Eigen::Vector2d view_m = map_from_laser * key_scans[newest].view_centre_in_laser_m;
+  const NearestView nearest = nearestView(key_scans, view_m, path_m - wait_m);
+  if (nearest.distance_m > parameters_.search.max_view_distance_m) return;
+  if (isSettled(nearest.key, newest)) return;
+  const SearchWindow window = searchWindow(0.0, parameters_.search);
+  tryClosing(key_scans, {nearest.key, newest, map_from_laser, window}, on_closure);
+}
+
+bool LoopCloser::tryClosing(const std::vector<KeyScan>& key_scans,
+                            const LoopQuery& query,
+                            const ClosureHandler& on_closure) {
+  const auto match = verifyLoop(key_scans, query, matcher_, parameters_.search);
+  if (!match) return false;
+  const KeyScan& old_key = key_scans[query.candidate];
+  const KeyScan& new_key = key_scans[query.newest];
+  const Pose2 wanted = old_key.map_from_laser * match->edge.from_from_to;
+  const Pose2 correction = new_key.map_from_laser.inverse() * wanted;
+  LoopClosure closure;
+  closure.old_stamp_ns = old_key.stamp_ns;
+  closure.new_stamp_ns = new_key.stamp_ns;
+  closure.edge = match->edge;
+  closure.edge.information = withFloor(closure.edge.information, parameters_.closure_deviation_m,
+                                       parameters_.closure_deviation_rad);
+  closure.score = match->score;
+  closure.inlier_ratio = match->inlier_ratio;
+  closure.is_ambiguous = match->is_ambiguous;
+  closure.correction_m = correction.translation().norm();
+  closures_.push_back(closure);
+  closed_path_m_ = std::max(closed_path_m_, new_key.path_m);
+  on_closure(query.newest, correction);
+  return true;
+}
+
+bool LoopCloser::isSettled(std::size_t from, std::size_t to) const {
+  return std::any_of(closures_.begin(), closures_.end(), [&](const LoopClosure& closure) {
+    if (closure.state == ClosureState::kOutvoted) return false;
+    const auto reach = static_cast<std::size_t>(closure.state == ClosureState::kRefused
+                                                    ? parameters_.refused_reach
+                                                    : parameters_.accepted_reach);
+    return distance(closure.edge.from, from) <= reach && distance(closure.edge.to, to) <= reach;
+  });
+}
+
+bool LoopCloser::wasSearched(const std::vector<KeyScan>& key_scans,
+                             std::size_t from,
+                             std::size_t to,
+                             const SearchWindow& window) const {
+  const auto reach = static_cast<std::size_t>(parameters_.failed_reach);
+  return std::any_of(failed_searches_.begin(), failed_searches_.end(), [&](const auto& failed) {
+    if (distance(failed.from, from) > reach || distance(failed.to, to) > reach) return false;
+    // What was searched then, seen from these two key scans.
+    const Pose2 centre = relativePose(key_scans[from], key_scans[failed.from]) *
+                         failed.from_from_to * relativePose(key_scans[failed.to], key_scans[to]);
+    const Pose2 shift = centre.inverse() * relativePose(key_scans[from], key_scans[to]);
+    return shift.translation().norm() + window.distance_m <=
+               failed.window.distance_m + parameters_.failed_margin_m &&
+           std::abs(shift.yaw_rad) + window.angle_rad <=
+               failed.window.angle_rad + parameters_.failed_margin_rad;
+  });
+}
+
+std::vector<double> LoopCloser::pathsTo(std::size_t key,
+                                        const std::vector<KeyScan>& key_scans) const {
+  Shortcuts shortcuts;
+  for (const LoopClosure& closure : closures_) {
+    if (closure.state == ClosureState::kAccepted && !closure.is_ambiguous)
+      shortcuts.emplace_back(closure.edge.from, closure.edge.to);
+  }
+  return pathLengthsTo(key, key_scans, shortcuts, parameters_.closure_path_m);
+}
+
+void LoopCloser::refuse(std::size_t index) {
+  closures_.at(index).state = ClosureState::kRefused;
+}
+
+void LoopCloser::accept(std::size_t index) {
+  closures_.at(index).state = ClosureState::kAccepted;
+}
+
+std::vector<PoseEdge> LoopCloser::acceptedEdges() const {
+  std::vector<PoseEdge> edges;
+  for (const LoopClosure& closure : closures_) {
+    if (closure.state == ClosureState::kAccepted) edges.push_back(closure.edge);
+  }
+  return edges;
+}
+
+void LoopCloser::outvote(const std::vector<double>& trust) {
+  std::size_t edge = 0;
+  for (LoopClosure& closure : closures_) {
+    if (closure.state != ClosureState::kAccepted) continue;
+    if (trust.at(edge++) < parameters_.min_trust) closure.state = ClosureState::kOutvoted;
+  }
+}
+
+}  // namespace ram_slam

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/smoothing/map_optimizer.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace ram_slam {
+
+MapOptimizer::MapOptimizer(const PoseGraphParameters& graph,
+                           const RefinementParameters& refinement,
+                           const ScanMatcherParameters& matcher)
+    : graph_(graph), refinement_(refinement), matcher_(matcher) {}
+
+void MapOptimizer::solve(KeyScans& key_scans, LoopCloser& loops) const {
+  const PoseGraphSolution solution = solvePoseGraph(laserGraph(key_scans, loops), graph_);
+  key_scans.setPoses(solution.map_from_node);
+  const auto motion_count = static_cast<std::ptrdiff_t>(key_scans.alignedMotion().size());
+  loops.outvote({solution.edge_trust.begin() + motion_count, solution.edge_trust.end()});
+}
+
+void MapOptimizer::refine(KeyScans& key_scans) const {
+  key_scans.setPoses(
+      refineJointly(key_scans.keys(), key_scans.givenMotion(), matcher_, refinement_));
+}
+
+PoseGraph laserGraph(const KeyScans& key_scans, const LoopCloser& loops) {
+  PoseGraph graph;
+  for (const KeyScan& key : key_scans.keys()) graph.map_from_node.push_back(key.map_from_laser);
+  graph.edges = key_scans.alignedMotion();
+  const std::vector<PoseEdge> closures = loops.acceptedEdges();
+  graph.edges.insert(graph.edges.end(), closures.begin(), closures.end());
+  return graph;
+}
+
+PoseGraph baseGraph(const KeyScans& key_scans, const LoopCloser& loops) {
+  const std::vector<KeyScan>& keys = key_scans.keys();
+  PoseGraph graph = laserGraph(key_scans, loops);
+  for (std::size_t i = 0; i < keys.size(); ++i) graph.map_from_node[i] = keys[i].map_from_base();
+  for (PoseEdge& edge : graph.edges) {
+    edge.from_from_to = keys[edge.from].base_from_laser * edge.from_from_to *
+                        keys[edge.to].base_from_laser.inverse();
+    Eigen::Matrix3d base_axes = Eigen::Matrix3d::Identity();
+    base_axes.topLeftCorner<2, 2>() = keys[edge.from].base_from_laser.rotation();
+    edge.information = base_axes * edge.information * base_axes.transpose();
+  }
+  return graph;
+}
+
+}  // namespace ram_slam

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/smoothing/key_scans.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "key_scan_drive.hpp"
+
+namespace ram_slam {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::ThrowsMessage;
+
+TEST(KeyScans, KeepOneScanPerDistanceOrTurn) {
+  // 0.1 m per scan: a key scan at 0, 0.3, 0.6 and 0.9 m, rounding aside.
+  std::vector<Pose2> poses;
+  for (int i = 0; i <= 10; ++i) poses.push_back({0.1001 * i, 0.0, 0.0});
+  EXPECT_THAT(scansAt(pillarRoom(), poses, poses).keys(), SizeIs(4));
+  // 0.16 rad per scan on the spot: one in two.
+  poses.clear();
+  for (int i = 0; i <= 10; ++i) poses.push_back({0.0, 0.0, 0.16 * i});
+  EXPECT_THAT(scansAt(pillarRoom(), poses, poses).keys(), SizeIs(6));
+}
+
+TEST(KeyScans, ReportWhichScansAreKept) {
+  KeyScans scans({}, {}, {}, 0.4);
+  EXPECT_TRUE(scans.empty());
+  EXPECT_TRUE(scans.add(scanWalls(pillarRoom(), {}, 1), {}, {}));
+  EXPECT_FALSE(scans.add(scanWalls(pillarRoom(), {0.1, 0.0, 0.0}, 2), {}, {0.1, 0.0, 0.0}));
+  EXPECT_TRUE(scans.add(scanWalls(pillarRoom(), {0.4, 0.0, 0.0}, 3), {}, {0.4, 0.0, 0.0}));
+  EXPECT_EQ(scans.newestStampNs(), 3);
+  EXPECT_THAT(scans.trajectory(), SizeIs(3));
+}
+
+TEST(KeyScans, CountTurningAsPath) {
+  KeyScanParameters parameters;
+  parameters.path_m_per_rad = 2.0;
+  const std::vector<Pose2> poses{{}, {0.0, 0.0, 0.5}, {1.0 * std::cos(0.5), std::sin(0.5), 0.5}};
+  const KeyScans scans = scansAt(pillarRoom(), poses, poses, parameters);
+  ASSERT_THAT(scans.keys(), SizeIs(3));
+  EXPECT_NEAR(scans.keys()[1].path_m, 1.0, 1e-12);
+  EXPECT_NEAR(scans.keys()[2].path_m, 2.0, 1e-12);
+}
+
+TEST(KeyScans, MeanOfTheNearPointsIsTheCentreOfTheView) {
+  // A wall ahead, symmetric to the axis, and one that is too far away to count.
+  const Walls walls{{{2.0, -1.0}, {2.0, 1.0}}, {{-20.0, -9.0}, {-20.0, 9.0}}};
+  const KeyScans scans = scansAt(walls, {Pose2{}}, {Pose2{}});
+  EXPECT_NEAR(scans.keys()[0].view_centre_in_laser_m.x(), 2.0, 1e-4);
+  EXPECT_NEAR(scans.keys()[0].view_centre_in_laser_m.y(), 0.0, 0.02);
+}
+
+TEST(KeyScans, AlignKeyScansBeyondTheGivenMotion) {
+  const std::vector<Pose2> truth = thereAndBack(20);
+  const std::vector<Pose2> odometry = withDrift(truth, 0.3);
+  const KeyScans scans = scansAt(pillarRoom(), truth, odometry);
+  const std::vector<StampedPose2> trajectory = scans.trajectory();
+  EXPECT_GT(odometry.back().y_m, 0.25);
+  EXPECT_NEAR(trajectory.back().pose.y_m, 0.0, 0.02);
+  EXPECT_NEAR(scans.givenMotion()[0].from_from_to.y_m,
+              (odometry[3].y_m - odometry[0].y_m) / 3.0 * 3.0, 0.01);
+  EXPECT_THAT(scans.alignedMotion(), SizeIs(scans.keys().size() - 1));
+  // The alignment adds to what is known of the given motion.
+  EXPECT_GT(scans.alignedMotion()[0].information(1, 1), scans.givenMotion()[0].information(1, 1));
+}
+
+TEST(KeyScans, AlignScansBetweenTwoKeyScans) {
+  std::vector<Pose2> truth;
+  for (int i = 0; i <= 12; ++i) truth.push_back({0.1 * i, 0.0, 0.0});
+  std::vector<Pose2> odometry = truth;
+  odometry[4].y_m += 0.05;  // an error of one scan that is no key scan
+  const KeyScans scans = scansAt(pillarRoom(), truth, odometry);
+  EXPECT_NEAR(scans.trajectory()[4].pose.y_m, 0.0, 0.015);
+}
+
+TEST(KeyScans, MoveTheScansBetweenWithTheKeyScans) {
+  std::vector<Pose2> truth;
+  for (int i = 0; i <= 9; ++i) truth.push_back({0.1 * i, 0.0, 0.0});
+  KeyScans scans = scansAt(pillarRoom(), truth, truth);
+  const std::vector<StampedPose2> before = scans.trajectory();
+  std::vector<Pose2> moved;
+  for (const KeyScan& key : scans.keys())
+    moved.push_back(Pose2{0.0, 1.0, 0.0} * key.map_from_laser);
+  scans.setPoses(moved);
+  const std::vector<StampedPose2> after = scans.trajectory();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_NEAR(after[i].pose.x_m, before[i].pose.x_m, 1e-9);
+    EXPECT_NEAR(after[i].pose.y_m, before[i].pose.y_m + 1.0, 1e-9);
+  }
+}
+
+TEST(KeyScans, LeaveTheirStateUntouchedWhenTheyRefuseAScan) {
+  KeyScans scans({}, {}, {}, 0.4);
+  const LaserScan scan = scanWalls(pillarRoom(), {}, 5);
+  scans.add(scan, {}, {});
+  EXPECT_THAT([&] { scans.add(scan, {}, {}); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("not later than the last one, 5 ns")));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(scans.add(scan, {}, {nan, 0.0, 0.0}), std::invalid_argument);
+  EXPECT_THROW(scans.add(scan, {nan, 0.0, 0.0}, {}), std::invalid_argument);
+  EXPECT_THROW(scans.add({}, {}, {}), std::invalid_argument);
+  EXPECT_THAT(scans.trajectory(), SizeIs(1));
+  EXPECT_THAT(scans.alignedMotion(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace ram_slam
