@@ -380,24 +380,6 @@ void FastSlam::rate(const Evidence& evidence) {
   quality_.normalised_innovation += (1.0 - kMemory) * (innovation - quality_.normalised_innovation);
 }
 
-void FastSlam::resample() {
-  const std::vector<double> weights = this->weights();
-  const bool always = parameters_.mode == FastSlamMode::kFastSlam1;
-  const double effective = effectiveCount(weights);
-  if (!always && effective >= parameters_.resample_threshold * static_cast<double>(weights.size()))
-    return;
-  Random random(parameters_.seed, update_count_, particles_.size());
-  const std::vector<std::size_t> kept = resampleLowVariance(weights, random);
-  std::vector<Particle> particles;
-  particles.reserve(particles_.size());
-  for (const std::size_t i : kept) particles.push_back(particles_[i]);
-  best_ =
-      static_cast<std::size_t>(std::lower_bound(kept.begin(), kept.end(), best_) - kept.begin());
-  particles_ = std::move(particles);
-  for (Particle& particle : particles_) particle.log_weight = 0.0;
-  forgetAbandoned();
-}
-
 LandmarkMap FastSlam::landmarks() const {
   LandmarkMap map = summarise(registry_, particles_[best_], particles_, weights());
   map.stamp_ns = stamp_ns_;

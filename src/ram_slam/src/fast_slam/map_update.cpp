@@ -3,6 +3,7 @@
 #include <map>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/fast_slam/resampling.hpp"
 
 namespace ram_slam {
 
@@ -87,6 +88,24 @@ void FastSlam::refreshBounds(LandmarkRecord& record) const {
     record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() - reach_m));
     record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() + reach_m));
   }
+}
+
+void FastSlam::resample() {
+  const std::vector<double> weights = this->weights();
+  const bool always = parameters_.mode == FastSlamMode::kFastSlam1;
+  const double effective = effectiveCount(weights);
+  if (!always && effective >= parameters_.resample_threshold * static_cast<double>(weights.size()))
+    return;
+  Random random(parameters_.seed, update_count_, particles_.size());
+  const std::vector<std::size_t> kept = resampleLowVariance(weights, random);
+  std::vector<Particle> particles;
+  particles.reserve(particles_.size());
+  for (const std::size_t i : kept) particles.push_back(particles_[i]);
+  best_ =
+      static_cast<std::size_t>(std::lower_bound(kept.begin(), kept.end(), best_) - kept.begin());
+  particles_ = std::move(particles);
+  for (Particle& particle : particles_) particle.log_weight = 0.0;
+  forgetAbandoned();
 }
 
 }  // namespace ram_slam

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "ram_slam/tracking/local_constellation.hpp"
+#include "ram_slam/landmarks/local_constellation.hpp"
 #include "ram_slam/tracking/map_views.hpp"
 
 #include "../scan_matching/walls.hpp"

@@ -7,8 +7,8 @@
 
 #include "ram_slam/landmarks/constellation.hpp"
 #include "ram_slam/landmarks/feature.hpp"
+#include "ram_slam/landmarks/local_constellation.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"
-#include "ram_slam/tracking/local_constellation.hpp"
 
 namespace ram_slam {
 

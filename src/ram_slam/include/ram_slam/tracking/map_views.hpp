@@ -8,9 +8,9 @@
 
 #include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
+#include "ram_slam/landmarks/local_constellation.hpp"
 #include "ram_slam/scan_matching/correlative_search.hpp"
 #include "ram_slam/sensing/field_of_view.hpp"
-#include "ram_slam/tracking/local_constellation.hpp"
 
 namespace ram_slam {
 

@@ -6,7 +6,7 @@
 
 #include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/landmarks/constellation.hpp"
-#include "ram_slam/tracking/local_constellation.hpp"
+#include "ram_slam/landmarks/local_constellation.hpp"
 #include "ram_slam/tracking/map_views.hpp"
 #include "ram_slam/tracking/place_finder.hpp"
 

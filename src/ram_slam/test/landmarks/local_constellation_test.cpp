@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ram_slam/tracking/local_constellation.hpp"
+#include "ram_slam/landmarks/local_constellation.hpp"
 
 #include <stdexcept>
 
 #include <gmock/gmock.h>
 
-#include "rooms.hpp"
+#include "../tracking/rooms.hpp"
 
 namespace ram_slam {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ram_slam/tracking/local_constellation.hpp"
+#include "ram_slam/landmarks/local_constellation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the node publishes.
+#include <geometry_msgs/PoseArray.h>
+#include <nav_msgs/Path.h>
+#include <std_msgs/Bool.h>
+
+#include "ram_slam/ros/conversions.hpp"
+#include "ram_slam/ros/landmark_conversions.hpp"
+#include "ram_slam/ros/occupancy_conversions.hpp"
+
+#include "fast_slam_node.hpp"
+
+namespace ram_slam_ros {
+
+void FastSlamNode::publishPose() {
+  publishPose(stage_.estimator().stamp_ns(), stage_.estimator().estimate().pose);
+}
+
+void FastSlamNode::publishPose(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base) {
+  ram_slam::PoseWithCovariance2 estimate = stage_.estimator().estimate();
+  estimate.pose = map_from_base;
+  geometry_msgs::PoseWithCovarianceStamped pose;
+  pose.header.stamp = toTime(stamp_ns);
+  pose.header.frame_id = node_parameters_.frames.map;
+  pose.pose = toPoseWithCovarianceMessage(estimate);
+  map_to_odom_.correct(stamp_ns, map_from_base);
+  pose_.publish(pose);
+  if (particles_.getNumSubscribers() == 0) return;
+  geometry_msgs::PoseArray particles;
+  particles.header = pose.header;
+  for (const ram_slam::Pose2& hypothesis : stage_.estimator().hypotheses())
+    particles.poses.push_back(toPoseMessage(hypothesis));
+  particles_.publish(particles);
+}
+
+void FastSlamNode::publishLost() {
+  const ram_slam::Estimator& estimator = stage_.estimator();
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    drop_log_.log(stage_.drops(),
+                  subscribers_.empty() ? "features" : subscribers_.front().getTopic());
+    queue_log_.log(queue_drops_,
+                   subscribers_.empty() ? "features" : subscribers_.front().getTopic());
+    diagnostics_.set(stage_, queue_drops_, paused_);
+  }
+  if (published_lost_ == estimator.isLost()) return;
+  if (estimator.isLost()) {
+    ROS_WARN_STREAM("Lost: " << estimator.state()
+                             << "; the map stays as it is until the robot is found");
+  } else if (published_lost_) {
+    ROS_INFO_STREAM("The robot is found");
+  }
+  published_lost_ = estimator.isLost();
+  std_msgs::Bool message;
+  message.data = estimator.isLost();
+  lost_.publish(message);
+}
+
+void FastSlamNode::publishMap() {
+  const auto period_ns = static_cast<std::int64_t>(node_parameters_.output_period * 1e9);
+  if (last_output_ns_ != 0 && stage_.estimator().stamp_ns() < last_output_ns_ + period_ns) return;
+  last_output_ns_ = stage_.estimator().stamp_ns();
+  const ram_slam::LandmarkMap map = stage_.estimator().landmarks();
+  landmarks_.publish(toLandmarkMapMessage(map, node_parameters_.frames.map));
+  landmark_markers_.publish(toMarkers(map, node_parameters_.frames.map));
+  trajectory_.publish(toPath(stage_.estimator().trajectory(), node_parameters_.frames.map));
+}
+
+}  // namespace ram_slam_ros
