@@ -65,56 +65,66 @@ const ParameterTable<ConstantSpeedParameters>& ConstantSpeedParameters::table() 
   return table;
 }
 
+namespace {
+
+using P = LaserOdometryParameters;
+
+/// What users may have to change; in the shipped file.
+ParameterTable<P> userRows() {
+  return ParameterTable<P>()
+      .add("odom_frame", &P::odom_frame, "Frame of the refined odometry.")
+      .add("base_frame", &P::base_frame, "Frame of the robot's base.")
+      .add("use_wheels", &P::use_wheels, "False: do not wait for wheel odometry.")
+      .include(&P::surfaces, SurfaceParameters::table())
+      .include(&P::matcher, ScanMatcherParameters::table())
+      .heading("Key scans")
+      .add("key_scan_distance_m", &P::key_scan_distance_m, "m", positive(),
+           "A new key scan after so much motion.")
+      .add("key_scan_angle_rad", &P::key_scan_angle_rad, "rad", positive(),
+           "A new key scan after so much turning.")
+      .add("key_scan_inlier_ratio", &P::key_scan_inlier_ratio, "", within(0.0, 1.0),
+           "A new key scan when a smaller share of a scan than this meets the last ones.")
+      .add("key_scan_count", &P::key_scan_count, "", atLeast(1), "How many are kept.")
+      .add("reference_count", &P::reference_count, "", anyNumber(),
+           "How many of them a scan is aligned with.")
+      .rule(&P::reference_count, "in [1, key_scan_count]",
+            [](const P& p) {
+              return p.reference_count >= 1 && p.reference_count <= p.key_scan_count;
+            })
+      .heading("Standard deviation of the wheels' motion between two scans")
+      .add("wheel_rest_deviation_m", &P::wheel_rest_deviation_m, "m", positive(),
+           "Of the distance, at rest.")
+      .add("wheel_rest_deviation_rad", &P::wheel_rest_deviation_rad, "rad", positive(),
+           "Of the yaw, at rest.")
+      .add("wheel_distance_deviation_m_per_m", &P::wheel_distance_deviation_m_per_m, "m/m",
+           positive(), "Growth with the distance.")
+      .add("wheel_yaw_deviation_rad_per_m", &P::wheel_yaw_deviation_rad_per_m, "rad/m", positive(),
+           "Growth of the yaw's with the distance.")
+      .add("wheel_yaw_deviation_rad_per_rad", &P::wheel_yaw_deviation_rad_per_rad, "rad/rad",
+           positive(), "Growth of the yaw's with the turn.")
+      .heading("Stamps of wheels and scans")
+      .add("max_stamp_offset_s", &P::max_stamp_offset_s, "s", within(0.0, 1.0),
+           "Greatest offset between the stamps of wheels and scans that is learned while "
+           "turning; 0: none.")
+      .heading("Change of speed of a robot without wheel odometry")
+      .add("acceleration_deviation_m_per_s2", &P::acceleration_deviation_m_per_s2, "m/s^2",
+           positive(), "Standard deviation of its acceleration.")
+      .add("yaw_acceleration_deviation_rad_per_s2", &P::yaw_acceleration_deviation_rad_per_s2,
+           "rad/s^2", positive(), "The same of the turn.")
+      .heading("Recovery")
+      .add("lost_inlier_ratio", &P::lost_inlier_ratio, "", within(0.0, 1.0),
+           "A match below this share of paired points is searched for.")
+      .add("search_distance_m", &P::search_distance_m, "m", positive(),
+           "Greatest distance from the prediction that is searched.")
+      .add("search_angle_rad", &P::search_angle_rad, "rad", positive(),
+           "Greatest turn from the prediction that is searched.");
+}
+
+}  // namespace
+
 const ParameterTable<LaserOdometryParameters>& LaserOdometryParameters::table() {
-  using P = LaserOdometryParameters;
   static const auto table =
-      ParameterTable<P>()
-          .add("odom_frame", &P::odom_frame, "Frame of the refined odometry.")
-          .add("base_frame", &P::base_frame, "Frame of the robot's base.")
-          .add("use_wheels", &P::use_wheels, "False: do not wait for wheel odometry.")
-          .include(&P::surfaces, SurfaceParameters::table())
-          .include(&P::matcher, ScanMatcherParameters::table())
-          .heading("Key scans")
-          .add("key_scan_distance_m", &P::key_scan_distance_m, "m", positive(),
-               "A new key scan after so much motion.")
-          .add("key_scan_angle_rad", &P::key_scan_angle_rad, "rad", positive(),
-               "A new key scan after so much turning.")
-          .add("key_scan_inlier_ratio", &P::key_scan_inlier_ratio, "", within(0.0, 1.0),
-               "A new key scan when a smaller share of a scan than this meets the last ones.")
-          .add("key_scan_count", &P::key_scan_count, "", atLeast(1), "How many are kept.")
-          .add("reference_count", &P::reference_count, "", anyNumber(),
-               "How many of them a scan is aligned with.")
-          .rule(&P::reference_count, "in [1, key_scan_count]",
-                [](const P& p) {
-                  return p.reference_count >= 1 && p.reference_count <= p.key_scan_count;
-                })
-          .heading("Standard deviation of the wheels' motion between two scans")
-          .add("wheel_rest_deviation_m", &P::wheel_rest_deviation_m, "m", positive(),
-               "Of the distance, at rest.")
-          .add("wheel_rest_deviation_rad", &P::wheel_rest_deviation_rad, "rad", positive(),
-               "Of the yaw, at rest.")
-          .add("wheel_distance_deviation_m_per_m", &P::wheel_distance_deviation_m_per_m, "m/m",
-               positive(), "Growth with the distance.")
-          .add("wheel_yaw_deviation_rad_per_m", &P::wheel_yaw_deviation_rad_per_m, "rad/m",
-               positive(), "Growth of the yaw's with the distance.")
-          .add("wheel_yaw_deviation_rad_per_rad", &P::wheel_yaw_deviation_rad_per_rad, "rad/rad",
-               positive(), "Growth of the yaw's with the turn.")
-          .heading("Stamps of wheels and scans")
-          .add("max_stamp_offset_s", &P::max_stamp_offset_s, "s", within(0.0, 1.0),
-               "Greatest offset between the stamps of wheels and scans that is learned while "
-               "turning; 0: none.")
-          .heading("Change of speed of a robot without wheel odometry")
-          .add("acceleration_deviation_m_per_s2", &P::acceleration_deviation_m_per_s2, "m/s^2",
-               positive(), "Standard deviation of its acceleration.")
-          .add("yaw_acceleration_deviation_rad_per_s2", &P::yaw_acceleration_deviation_rad_per_s2,
-               "rad/s^2", positive(), "The same of the turn.")
-          .heading("Recovery")
-          .add("lost_inlier_ratio", &P::lost_inlier_ratio, "", within(0.0, 1.0),
-               "A match below this share of paired points is searched for.")
-          .add("search_distance_m", &P::search_distance_m, "m", positive(),
-               "Greatest distance from the prediction that is searched.")
-          .add("search_angle_rad", &P::search_angle_rad, "rad", positive(),
-               "Greatest turn from the prediction that is searched.")
+      userRows()
           .expert("When scans overrule the wheels")
           .section("slip", &P::slip, SlipParameters::table())
           .expert("Search for a lost pose")
