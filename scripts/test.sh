@@ -8,7 +8,8 @@ source "$scripts/environment.sh"
 source devel/setup.bash
 
 status=0
-"$scripts/lint.sh" || status=$?
+# clang-tidy over the whole tree takes as long as the build: `make lint` runs it.
+"$scripts/lint.sh" --quick || status=$?
 
 rm -rf build/test_results build/Testing
 cd build
