@@ -72,6 +72,15 @@ void OccupancyMapperNode::onScan(const sensor_msgs::LaserScan& message) {
   {
     const std::lock_guard lock(map_mutex_);
     ++received_count_;
+    // tf ignores transforms of a clock that was set back until it is cleared.
+    const std::int64_t stamp_ns = toNanoseconds(message.header.stamp);
+    if (ram_slam::ClockGuard::isSetBack(newest_scan_ns_, stamp_ns)) {
+      ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic() << " were set back by "
+                                       << 1e-9 * static_cast<double>(newest_scan_ns_ - stamp_ns)
+                                       << " s: the map starts again");
+      restart();
+    }
+    newest_scan_ns_ = std::max(newest_scan_ns_, stamp_ns);
     scans_.add(message, stage_.drops());
   }
   mapWaiting();
@@ -80,14 +89,6 @@ void OccupancyMapperNode::onScan(const sensor_msgs::LaserScan& message) {
 void OccupancyMapperNode::mapWaiting() {
   const std::lock_guard lock(map_mutex_);
   while (auto scan = scans_.next(stage_.drops())) {
-    const std::int64_t stamp_ns = scan->scan.stamp_ns;
-    if (ram_slam::ClockGuard::isSetBack(newest_scan_ns_, stamp_ns)) {
-      ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic() << " were set back by "
-                                       << 1e-9 * static_cast<double>(newest_scan_ns_ - stamp_ns)
-                                       << " s: the map starts again");
-      restart();
-    }
-    newest_scan_ns_ = std::max(newest_scan_ns_, stamp_ns);
     waiting_.push_back({std::move(*scan), ros::SteadyTime::now()});
   }
   while (!waiting_.empty()) {

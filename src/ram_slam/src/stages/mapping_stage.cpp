@@ -15,7 +15,10 @@ void MappingStage::add(const MountedScan& scan,
     drops_.add(DropReason::kNotLater, stamp_ns, "scan");
     return;
   }
-  if (order == StampOrder::kSetBack) reset();
+  if (order == StampOrder::kSetBack) {
+    reset();
+    clock_.check(stamp_ns);
+  }
   try {
     map_.add(scan.scan, map_from_base, scan.base_from_laser, last_beam);
   } catch (const std::exception& error) {
@@ -31,6 +34,7 @@ BeamCounts MappingStage::draw() {
 
 void MappingStage::reset() {
   map_ = KeyScanMap(parameters_);
+  clock_ = {};
   ++reset_count_;
 }
 

@@ -58,5 +58,14 @@ TEST(MappingStage, BeginsAgainWhenTheClockIsSetBack) {
   EXPECT_EQ(stage.scanCount(), 1u);
 }
 
+TEST(MappingStage, AfterAResetAnyStampIsNew) {
+  MappingStage stage{OccupancyMapperParameters{}};
+  stage.add(scanAt(kSecond), {}, {});
+  stage.reset();
+  stage.add(scanAt(kSecond), {}, {});
+  EXPECT_EQ(stage.scanCount(), 1u);
+  EXPECT_EQ(stage.drops().total(), 0u);
+}
+
 }  // namespace
 }  // namespace ram_slam
