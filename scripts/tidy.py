@@ -1,5 +1,7 @@
 #!/usr/bin/python3
-"""tidy.py [FILE...]: clang-tidy over the sources, or over those named; needs build/compile_commands.json.
+"""tidy.py [FILE...]: clang-tidy over the cores' sources, or over the files named; needs build/compile_commands.json.
+
+Nodes and programs are left out for the time that ROS's headers take: name them to check them.
 
 A file that was clean is not looked into again while it, .clang-tidy, its command and the workspace's headers that it
 includes stay the same: build/tidy holds an empty file named by their hash.
@@ -57,14 +59,16 @@ def main():
     commands = {}
     for entry in json.loads((ROOT / "build" / "compile_commands.json").read_text()):
         path = Path(entry["file"]).resolve()
-        is_source = ROOT / "src" in path.parents and not re.search(r"/(test|fuzz)/", str(path))
+        if ROOT not in path.parents:
+            continue
+        is_source = re.fullmatch(r"src/\w+/src/.*", str(path.relative_to(ROOT))) is not None
         if path.is_file() and (path in wanted if wanted else is_source):
             commands[path] = entry["command"]
     CACHE.mkdir(exist_ok=True)
     with ThreadPoolExecutor(cpu_count()) as pool:
         results = [text for text in pool.map(check, commands.keys(), commands.values()) if text]
     findings = sorted(set(re.findall(r"^\S+: (?:warning|error): .*$", "\n".join(results), re.M)))
-    print("\n".join(findings or results), file=sys.stderr)
+    print("\n".join(findings or results), end="\n" if results else "", file=sys.stderr)
     sys.exit(1 if results else 0)
 
 
