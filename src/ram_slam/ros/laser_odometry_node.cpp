@@ -20,6 +20,7 @@ LaserOdometryNode::LaserOdometryNode(ram_parameters::ParameterReader& reader)
       diagnostics_("odometry", [this]() -> StageDiagnostics::Report {
         return {stage_.drops(),
                 {{"scans that contradict the wheels", static_cast<double>(stage_.slipCount())},
+                 {"scans without odometry", static_cast<double>(stage_.withoutWheelsCount())},
                  {"stamp offset [s]", 1e-9 * static_cast<double>(stage_.stampOffset_ns())}}};
       }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();

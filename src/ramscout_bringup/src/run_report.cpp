@@ -63,6 +63,7 @@ ordered_json RunReport::summary(const Run& run) const {
       {"landmarks", results.landmarks.size()},
       {"loop_closures", run.smooths ? acceptedClosures(run.smoothing.smoother()) : 0},
       {"scans_with_wheel_slip", run.odometry.slipCount()},
+      {"scans_without_odometry", run.odometry.withoutWheelsCount()},
       {"times_lost", lost_count_},
       {"key_scans", run.mapping.scanCount()},
       {"clock_resets", run.odometry.resetCount()},

@@ -66,7 +66,11 @@ std::optional<SynchronisedScan> ScanSynchroniser::next() {
     ready.scan = std::move(scans_.front().scan);
     ready.base_from_laser = scans_.front().base_from_laser;
     scans_.pop_front();
-    if (ready.odom_from_base || parameters_.odometry != Odometry::kRequired) return ready;
+    if (ready.odom_from_base || parameters_.odometry == Odometry::kNone) return ready;
+    if (parameters_.odometry == Odometry::kOptional) {
+      ++without_odometry_count_;
+      return ready;
+    }
     drops_.add(DropReason::kNoOdometry, ready.scan.stamp_ns, "scan");
   }
   return std::nullopt;

@@ -61,7 +61,9 @@ TEST(ScanSynchroniser, ScansBeforeTheFirstOdometryPassWithoutItOrAreDropped) {
   const auto ready = optional.next();
   ASSERT_TRUE(ready);
   EXPECT_FALSE(ready->odom_from_base);
+  EXPECT_EQ(optional.withoutOdometryCount(), 1u);
   EXPECT_FALSE(required.next());
+  EXPECT_EQ(required.withoutOdometryCount(), 0u);
   ASSERT_EQ(required.drops().total(), 1u);
   EXPECT_EQ(required.drops().newest().reason, DropReason::kNoOdometry);
   EXPECT_EQ(required.drops().newest().first_ns, kSecond);

@@ -38,6 +38,8 @@ public:
   bool hasWheels() const { return scans_.hasOdometry(); }
   /// Learned so far: how much later than a scan's stamp its wheels are taken.
   std::int64_t stampOffset_ns() const { return stamp_offset_.offset_ns(); }
+  /// Scans that waited for the wheels and were aligned without them.
+  std::size_t withoutWheelsCount() const { return scans_.withoutOdometryCount(); }
   /// Scans that contradicted the wheels.
   std::size_t slipCount() const { return slip_count_; }
   /// How often the clock was set back and everything began again.

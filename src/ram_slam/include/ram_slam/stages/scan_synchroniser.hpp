@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -66,6 +67,8 @@ public:
   /// from scan to scan begins again when it changes.
   int resetCount() const { return reset_count_; }
   bool hasOdometry() const { return !odometry_.empty(); }
+  /// Scans that waited for odometry and went through without it.
+  std::size_t withoutOdometryCount() const { return without_odometry_count_; }
   const DropCounter& drops() const { return drops_; }
   DropCounter& drops() { return drops_; }
 
@@ -84,6 +87,7 @@ private:
   std::int64_t stamp_offset_ns_ = 0;
   bool is_finished_ = false;
   int reset_count_ = 0;
+  std::size_t without_odometry_count_ = 0;
   DropCounter drops_;
 };
 
