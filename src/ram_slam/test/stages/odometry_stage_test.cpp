@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/stages/odometry_stage.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include <gmock/gmock.h>
+
+#include "room.hpp"
 
 namespace ram_slam {
 namespace {
@@ -12,24 +11,9 @@ namespace {
 constexpr std::int64_t kPeriodNs = 100'000'000;
 constexpr double kStepM = 0.05;  // per period, along x
 
-/// In a room of 10 m by 6 m; the robot starts in its middle.
+/// The robot starts in the middle of a room.
 MountedScan scanAt(std::int64_t i) {
-  MountedScan scan;
-  scan.scan.stamp_ns = (i + 10) * kPeriodNs;
-  scan.scan.angle_min_rad = -M_PI;
-  scan.scan.angle_increment_rad = M_PI / 180.0;
-  scan.scan.range_min_m = 0.1F;
-  scan.scan.range_max_m = 20.0F;
-  const double x_m = kStepM * static_cast<double>(i);
-  for (int beam = 0; beam < 360; ++beam) {
-    const double bearing_rad = scan.scan.bearing_rad(beam);
-    const double dx = std::cos(bearing_rad);
-    const double dy = std::sin(bearing_rad);
-    const double to_x = dx > 0.0 ? (5.0 - x_m) / dx : (-5.0 - x_m) / dx;
-    const double to_y = dy > 0.0 ? 3.0 / dy : -3.0 / dy;
-    scan.scan.ranges_m.push_back(static_cast<float>(std::min(to_x, to_y)));
-  }
-  return scan;
+  return scanInRoom((i + 10) * kPeriodNs, kStepM * static_cast<double>(i));
 }
 
 /// Wheels that go ten per cent too far.
