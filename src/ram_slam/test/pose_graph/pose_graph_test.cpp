@@ -156,5 +156,88 @@ TEST(SolvePoseGraph, RefusesEdgesThatMakeNoSense) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("not finite")));
 }
 
+TEST(SolvePoseGraph, LeavesAGraphWithoutEdgesAsItIs) {
+  PoseGraph graph;
+  graph.map_from_node = {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
+  const PoseGraphSolution solution = solvePoseGraph(graph, {});
+  ASSERT_EQ(solution.map_from_node.size(), 2U);
+  EXPECT_EQ(solution.map_from_node[1].y_m, 5.0);
+  EXPECT_TRUE(solution.edge_trust.empty());
+}
+
+TEST(SolvePoseGraph, WeighsTwoMeasurementsByTheirInformation) {
+  // 1 m with information 3, 2 m with information 1: 1.25 m.
+  PoseGraph graph;
+  graph.map_from_node = {{}, {1.0, 0.0, 0.0}};
+  graph.edges = {between(graph.map_from_node, 0, 1), between(graph.map_from_node, 0, 1)};
+  graph.edges[0].information *= 3.0;
+  graph.edges[1].from_from_to.x_m = 2.0;
+  EXPECT_NEAR(solvePoseGraph(graph, {}).map_from_node[1].x_m, 1.25, 1e-4);
+}
+
+TEST(SolvePoseGraph, HoldsOnlyTheDirectionsOfASingularInformation) {
+  PoseGraph graph;
+  graph.map_from_node = {{}, {1.0, 0.5, 0.0}};
+  graph.edges = {between(graph.map_from_node, 0, 1), between(graph.map_from_node, 0, 1)};
+  graph.edges[1].from_from_to = {9.0, 0.7, 0.0};
+  graph.edges[1].information.setZero();
+  graph.edges[1].information(1, 1) = 1.0;  // nothing is known along x
+  const Pose2 solved = solvePoseGraph(graph, {}).map_from_node[1];
+  EXPECT_NEAR(solved.x_m, 1.0, 1e-4);
+  EXPECT_NEAR(solved.y_m, 0.6, 1e-4);
+}
+
+TEST(SolvePoseGraph, TrustsAFalseClosureAsDynamicCovarianceScalingDoes) {
+  // A closure that cannot move anything: trust = 2 Phi / (Phi + chi2).
+  PoseGraph graph;
+  graph.map_from_node = {{}, {1.0, 0.0, 0.0}};
+  PoseEdge sure = between(graph.map_from_node, 0, 1);
+  sure.information *= 1e12;
+  PoseEdge closure = between(graph.map_from_node, 0, 1);
+  closure.from_from_to.x_m += 5.0;
+  closure.may_be_false = true;
+  graph.edges = {sure, closure};
+  PoseGraphParameters parameters;
+  parameters.closure_tolerance_chi2 = 5.0;
+  const PoseGraphSolution solution = solvePoseGraph(graph, parameters);
+  EXPECT_EQ(solution.edge_trust[0], 1.0);
+  EXPECT_NEAR(solution.edge_trust[1], 2.0 * 5.0 / (5.0 + 25.0), 1e-4);
+}
+
+TEST(EdgeChi2, IsTheSquaredMahalanobisDistanceInTheAxesOfTheStart) {
+  PoseEdge edge;
+  edge.from = 0;
+  edge.to = 1;
+  edge.from_from_to = {1.0, 0.0, 0.0};
+  edge.information = Eigen::Vector3d(1.0, 10.0, 100.0).asDiagonal();
+  // Seen from a pose that faces along y, the second is at (1.2, -0.3), turned by 0.1.
+  const Pose2 from{4.0, 5.0, M_PI_2};
+  const std::vector<Pose2> poses{from, from * Pose2{1.2, -0.3, 0.1}};
+  EXPECT_NEAR(edgeChi2(edge, poses), 0.04 + 10.0 * 0.09 + 100.0 * 0.01, 1e-9);
+}
+
+TEST(EdgeChi2, TakesTheShorterWayRound) {
+  PoseEdge edge;
+  edge.to = 1;
+  edge.from_from_to.yaw_rad = M_PI - 0.1;
+  EXPECT_NEAR(edgeChi2(edge, {{}, {0.0, 0.0, -M_PI + 0.1}}), 0.04, 1e-9);
+}
+
+TEST(WithFloor, AddsCovariances) {
+  const Eigen::Matrix3d covariance = Eigen::Vector3d(0.04, 0.09, 0.01).asDiagonal();
+  const Eigen::Matrix3d left = withFloor(covariance.inverse(), 0.3, 0.2);
+  const Eigen::Matrix3d wanted = Eigen::Vector3d(0.13, 0.18, 0.05).asDiagonal();
+  EXPECT_TRUE(left.inverse().isApprox(wanted, 1e-9));
+}
+
+TEST(WithFloor, KeepsOpenDirectionsOpen) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  information(1, 1) = 1e6;
+  const Eigen::Matrix3d left = withFloor(information, 0.1, 0.1);
+  EXPECT_EQ(left(0, 0), 0.0);
+  EXPECT_NEAR(left(1, 1), 1.0 / (1e-6 + 0.01), 1e-6);
+  EXPECT_EQ(left(2, 2), 0.0);
+}
+
 }  // namespace
 }  // namespace ram_slam

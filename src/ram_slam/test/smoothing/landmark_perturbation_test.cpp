@@ -85,5 +85,32 @@ TEST(Perturb, RestoresEverythingIfTheObjectiveDoesNotFall) {
   EXPECT_TRUE(problem.readings[0].isPaired());
 }
 
+TEST(Perturb, IsFixedByItsRandomNumbers) {
+  Duplicate duplicate;
+  duplicate.rest.parameters.perturbation.removal_share = 0.0;
+  duplicate.rest.parameters.perturbation.min_gain = 0.0;
+  LandmarkProblem first = duplicate.solved();
+  LandmarkProblem second = duplicate.solved();
+  for (std::uint64_t attempt = 0; attempt < 3; ++attempt) {
+    const auto& parameters = duplicate.rest.parameters;
+    EXPECT_EQ(perturb(first, duplicate.pairing, parameters, Random(5, attempt)),
+              perturb(second, duplicate.pairing, parameters, Random(5, attempt)));
+  }
+  EXPECT_EQ(first.poses, second.poses);
+  EXPECT_EQ(first.cost, second.cost);
+}
+
+TEST(Perturb, NeverRaisesTheObjective) {
+  const Duplicate duplicate;
+  LandmarkProblem problem = duplicate.solved();
+  double before = objective(problem, duplicate.rest.parameters);
+  for (std::uint64_t attempt = 0; attempt < 10; ++attempt) {
+    perturb(problem, duplicate.pairing, duplicate.rest.parameters, Random(2, attempt));
+    const double after = objective(problem, duplicate.rest.parameters);
+    EXPECT_LE(after, before);
+    before = after;
+  }
+}
+
 }  // namespace
 }  // namespace ram_slam

@@ -75,7 +75,7 @@ TEST(LoopCloser, DoesNotFindARefusedClosureAgain) {
   loops.refuse(0);
   EXPECT_EQ(loops.closures()[0].state, ClosureState::kRefused);
   EXPECT_THAT(loops.acceptedEdges(), IsEmpty());
-  EXPECT_FALSE(loops.sweep({drive().keys().begin(), drive().keys().end()}, ignore));
+  EXPECT_FALSE(loops.sweep(drive().keys(), ignore));
   loops.accept(0);
   EXPECT_THAT(loops.acceptedEdges(), SizeIs(1));
   EXPECT_THROW(loops.refuse(1), std::out_of_range);
@@ -98,6 +98,45 @@ TEST(LoopCloser, FindsNothingWithinTheLeastPath) {
   loops.searchIfDue(drive().keys(), ignore);
   EXPECT_FALSE(loops.sweep(drive().keys(), ignore));
   EXPECT_THAT(loops.closures(), IsEmpty());
+}
+
+TEST(LoopCloser, AddsTheDeviationOfClosuresToWhatTheScansLeave) {
+  LoopCloserParameters parameters = shortLoops();
+  parameters.closure_deviation_m = 0.5;
+  parameters.closure_deviation_rad = 0.2;
+  LoopCloser loops(parameters, {}, {});
+  loops.searchIfDue(drive().keys(), ignore);
+  ASSERT_THAT(loops.closures(), SizeIs(1));
+  // Walls hold the pose to millimetres: what is left is the deviation of closures.
+  const Eigen::Matrix3d covariance = loops.closures()[0].edge.information.inverse();
+  EXPECT_NEAR(covariance(0, 0), 0.25, 0.001);
+  EXPECT_NEAR(covariance(2, 2), 0.04, 0.001);
+}
+
+TEST(LoopCloser, CorrectionIsHowFarTheLaterKeyScanHasToMove) {
+  std::vector<KeyScan> keys = drive().keys();
+  const Pose2 drift{0.2, -0.15, 0.02};
+  for (KeyScan& key : keys) {
+    if (key.path_m > 3.0) key.map_from_laser = key.map_from_laser * drift;
+  }
+  Pose2 correction;
+  LoopCloser loops(shortLoops(), {}, {});
+  loops.searchIfDue(keys, [&](std::size_t, const Pose2& by) { correction = by; });
+  const Pose2 wanted = drift.inverse();
+  EXPECT_NEAR(correction.x_m, wanted.x_m, 0.02);
+  EXPECT_NEAR(correction.y_m, wanted.y_m, 0.02);
+  EXPECT_NEAR(correction.yaw_rad, wanted.yaw_rad, 0.005);
+}
+
+TEST(LoopCloser, TakesFeaturesBeforeThereIsAnyScan) {
+  LoopCloser loops(shortLoops(), {}, {});
+  FeatureList list;
+  list.stamp_ns = 1;
+  loops.addFeatures(list);
+  loops.useFeatures({});
+  loops.useFeatures(drive().keys());  // the list is older than the newest key scan
+  loops.searchIfDue(drive().keys(), ignore);
+  EXPECT_THAT(loops.closures(), SizeIs(1));
 }
 
 }  // namespace

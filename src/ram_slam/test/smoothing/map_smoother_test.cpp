@@ -279,5 +279,31 @@ TEST(MapSmoother, HasNoTrajectoryBeforeTheFirstScan) {
   EXPECT_THAT(smoother.trajectory(), IsEmpty());
 }
 
+TEST(MapSmoother, OptimizesOnRequestOnlyWithAPeriodOfZero) {
+  MapSmootherParameters parameters;
+  parameters.optimize_period_s = 0.0;
+  parameters.solve_distance_m = 1e6;  // no closure is solved for at once
+  parameters.solve_angle_rad = 1e6;
+  const std::vector<Pose2> truth = rounds(2);
+  const std::vector<Pose2> odometry = drifting(truth);
+  MapSmoother smoother(parameters);
+  for (std::size_t i = 0; i < truth.size(); i += 2) {
+    const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
+    smoother.addScan(scanWalls(building(), truth[i] * kMount, stamp_ns), kMount, odometry[i]);
+    smoother.optimizeIfDue();
+  }
+  EXPECT_THAT(smoother.closures(), Not(IsEmpty()));
+  EXPECT_FALSE(smoother.hasCorrection());
+  smoother.optimize();
+  EXPECT_TRUE(smoother.hasCorrection());
+}
+
+TEST(MapSmoother, RefusesParametersOutOfBounds) {
+  MapSmootherParameters parameters;
+  parameters.loops.search.drift_m_per_m = -0.1;
+  EXPECT_THAT([&] { MapSmoother smoother(parameters); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("loop_drift_m_per_m must be >= 0")));
+}
+
 }  // namespace
 }  // namespace ram_slam
