@@ -62,11 +62,11 @@ void CheckpointKeeper::rename(const std::string& reason) {
   const std::string aside = nameAside(path_);
   std::filesystem::rename(path_, aside, error);
   if (!error) {
-    ROS_WARN_STREAM("No checkpoint to go on from: " << path_ << ": " << reason << "; it is "
-                                                    << aside << " now");
+    ROS_WARN_STREAM("No checkpoint to continue from: " << path_ << ": " << reason << "; it is "
+                                                       << aside << " now");
     return;
   }
-  ROS_WARN_STREAM("No checkpoint to go on from, and none will be written: "
+  ROS_WARN_STREAM("No checkpoint to continue from, and none will be written: "
                   << path_ << ": " << reason << "; it cannot be put aside: " << error.message());
   const std::lock_guard<std::mutex> lock(mutex_);
   path_.clear();

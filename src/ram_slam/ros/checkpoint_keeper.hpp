@@ -26,9 +26,9 @@ public:
   CheckpointKeeper(const CheckpointKeeper&) = delete;
   CheckpointKeeper& operator=(const CheckpointKeeper&) = delete;
 
-  /// The checkpoint in the file, if there is a good one. Another file is put aside, and said so.
+  /// The checkpoint in the file, if there is a good one. Another file is put aside and logged.
   std::optional<ram_slam::Checkpoint> load();
-  /// Renames the file, since nothing of this run can go on from it.
+  /// Renames the file, since this run cannot continue from it.
   void putAside(const std::string& reason);
   /// Whether keep() should be called. False while the one before is being written.
   bool isDue(std::int64_t stamp_ns);

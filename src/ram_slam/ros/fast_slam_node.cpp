@@ -114,7 +114,7 @@ void FastSlamNode::subscribe() {
     subscribers_.push_back(node_.subscribe("scan", 20, &FastSlamNode::onScan, this, hints));
   }
   for (const ros::Subscriber& subscriber : subscribers_)
-    ROS_INFO_STREAM("Listening to " << subscriber.getTopic());
+    ROS_INFO_STREAM("Subscribed to " << subscriber.getTopic());
 }
 
 void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {

@@ -48,7 +48,7 @@ void FastSlamNode::publishLost() {
     ROS_WARN_STREAM("Lost: " << estimator.state()
                              << "; the map stays as it is until the robot is found");
   } else if (published_lost_) {
-    ROS_INFO_STREAM("The robot is found");
+    ROS_INFO_STREAM("The robot is localised again");
   }
   published_lost_ = estimator.isLost();
   std_msgs::Bool message;

@@ -30,7 +30,7 @@ LandmarkSmootherNode::LandmarkSmootherNode(ram_parameters::ParameterReader& read
       node_.subscribe("landmarks", 1, &LandmarkSmootherNode::onLandmarks, this)};
   smooth_service_ = private_node_.advertiseService("smooth", &LandmarkSmootherNode::onSmooth, this);
   for (const ros::Subscriber& subscriber : subscribers_)
-    ROS_INFO_STREAM("Listening to " << subscriber.getTopic());
+    ROS_INFO_STREAM("Subscribed to " << subscriber.getTopic());
 }
 
 void LandmarkSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
@@ -50,7 +50,7 @@ void LandmarkSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message)
     }
     waiting_.push_back(std::move(list));
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected features: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "Rejected features: " << error.what());
   }
   settle();
 }
@@ -64,7 +64,7 @@ void LandmarkSmootherNode::settle() {
     } catch (const std::exception& error) {
       if (waiting_.back().stamp_ns < stamp_ns + kPatienceNs) return;
       ROS_WARN_STREAM_THROTTLE(kWarnPeriodS,
-                               "no motion up to some features, left out: " << error.what());
+                               "Features dropped, no motion up to them: " << error.what());
       waiting_.pop_front();
       continue;
     }
@@ -79,7 +79,7 @@ void LandmarkSmootherNode::onTrajectory(const nav_msgs::Path& message) {
   try {
     trajectory_ = toTrajectory(message);
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected a trajectory: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "Rejected a trajectory: " << error.what());
   }
 }
 
@@ -87,7 +87,7 @@ void LandmarkSmootherNode::onLandmarks(const ram_slam_msgs::LandmarkMap& message
   try {
     landmarks_ = toLandmarkEstimates(message, parameters_.map_frame);
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "rejected landmarks: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "Rejected landmarks: " << error.what());
   }
 }
 

@@ -65,10 +65,11 @@ void LaserOdometryNode::processWaiting() {
 
 void LaserOdometryNode::publish(const ram_slam::LaserOdometryEstimate& estimate) {
   if (estimate.wheels_slipped)
-    ROS_WARN_THROTTLE(kWarnPeriodS, "The wheels slip: scans contradict the odometry");
+    ROS_WARN_THROTTLE(kWarnPeriodS, "The wheels slip: scans and odometry disagree");
   if (estimate.wheels_stuck) {
-    ROS_ERROR_THROTTLE(kWarnPeriodS,
-                       "Odometry stuck: the robot moves by its scans, but odometry stands still");
+    ROS_ERROR_THROTTLE(
+        kWarnPeriodS,
+        "Odometry stuck: the scans show motion, the odometry none; check the encoders");
   }
   nav_msgs::Odometry message;
   message.header.stamp = toTime(estimate.stamp_ns);

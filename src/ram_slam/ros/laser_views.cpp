@@ -45,7 +45,8 @@ std::shared_ptr<const ram_slam::LaserView> LaserViews::at(std::int64_t stamp_ns)
     return std::make_shared<const ram_slam::LaserView>(
         mounting.upside_down ? mirrored(readings) : readings, mounting.base_from_sensor);
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No landmark can be doubted: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS,
+                             "Landmarks that should be visible are not checked: " << error.what());
     return nullptr;
   }
 }

@@ -13,7 +13,7 @@
 
 namespace ram_slam_ros {
 
-/// The scans of late, as what the lidar could have seen. Any thread may call.
+/// The recent scans, as what the lidar could have seen. Any thread may call.
 class LaserViews {
 public:
   /// \param buffer  where the lidar is mounted; outlives this

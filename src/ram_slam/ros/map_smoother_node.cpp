@@ -90,7 +90,7 @@ void MapSmootherNode::logNewClosures() {
   for (; logged_closures_ < closures.size(); ++logged_closures_) {
     const ram_slam::LoopClosure& closure = closures[logged_closures_];
     ROS_INFO_STREAM("Loop closure " << logged_closures_ << ": at " << toTime(closure.new_stamp_ns)
-                                    << " the robot was where it was at "
+                                    << " the robot was at the place of "
                                     << toTime(closure.old_stamp_ns) << ", correction "
                                     << closure.correction_m << " m, score " << closure.score
                                     << ", inliers " << closure.inlier_ratio

@@ -59,7 +59,7 @@ void checkLayout(const sensor_msgs::PointCloud2& cloud) {
   const std::uint64_t row_size = std::uint64_t{cloud.width} * cloud.point_step;
   if (cloud.row_step < row_size ||
       std::uint64_t{cloud.height} * cloud.row_step != cloud.data.size()) {
-    throw std::invalid_argument("cloud without as many bytes as it says");
+    throw std::invalid_argument("cloud whose row_step or size of data does not fit its fields");
   }
 }
 

@@ -24,7 +24,7 @@ ram_slam_msgs::LandmarkMap toLandmarkMapMessage(const ram_slam::LandmarkLayer& l
 /// Points that are not finite are left out: that is how PCL marks invalid ones.
 /// \throws std::invalid_argument unless x, y, z are float32, rgb is a float32 or uint32 and the
 /// data has the size that
-///         it says
+///         its fields state
 ram_slam::ColoredCloud toColoredCloud(const ram_slam_msgs::ColoredCloud& message);
 ram_slam_msgs::ColoredCloud toColoredCloudMessage(const ram_slam::ColoredCloud& cloud,
                                                   const std::string& frame_id);

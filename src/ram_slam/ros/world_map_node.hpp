@@ -42,7 +42,7 @@ public:
   explicit WorldMapNode(ram_parameters::ParameterReader& reader);
 
 private:
-  /// Takes one part, already converted; says why not if it is refused.
+  /// Takes one part, already converted; logs why if it is refused.
   template <typename Message, typename Convert>
   void store(const Message& message, const Convert& convert);
   bool onGetRegion(ram_slam_msgs::GetRegion::Request& request,

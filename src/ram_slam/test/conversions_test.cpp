@@ -124,7 +124,7 @@ TEST(Conversions, AClassifierThatIsTooLongIsTakenForNone) {  // fault F124
   EXPECT_EQ(toFeature(message).classifier, message.classifier);
 }
 
-TEST(Conversions, AListWithoutAStampIsRefusedWhateverItsFeaturesSay) {  // fault F125
+TEST(Conversions, AListWithoutAStampIsRefusedWhateverStampsItsFeaturesHave) {  // fault F125
   ram_slam::FeatureList list;
   list.stamp_ns = 42;
   list.features = {exampleFeature()};

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""fast_slam killed and started again: it goes on from its checkpoint, or says why not (F143)."""
+"""fast_slam killed and started again: it continues from its checkpoint, or reports why not (F143)."""
 import glob
 import os
 import signal
@@ -93,7 +93,7 @@ class FastSlamCheckpoint(PlayedRobot):
         return {landmark.id: (landmark.feature.pose.pose.position.x, landmark.feature.pose.pose.position.y)
                 for landmark in self.landmarks.messages[-1].landmarks}
 
-    def times_said(self, text):
+    def times_logged(self, text):
         with open(self.log) as log:
             return log.read().count(text)
 
@@ -155,7 +155,7 @@ class FastSlamCheckpoint(PlayedRobot):
         self.kill()
         type(self).now += 60.0
         type(self).start += 60.0
-        type(self).odometry_from = self.now  # kinematics was started anew, too
+        type(self).odometry_from = self.now  # kinematics was started again, too
         self.run_node()
         self.assertTrue(wait_until(lambda: self.lost.messages[-1].data))
         for _ in range(300):
@@ -174,7 +174,7 @@ class FastSlamCheckpoint(PlayedRobot):
             file.write(garbage)
         self.run_anew()
         self.expect_right_pose()
-        self.assertEqual(self.times_said("No checkpoint to go on from"), 1)
+        self.assertEqual(self.times_logged("No checkpoint to continue from"), 1)
         with open(self.file + ".refused-1", "rb") as file:
             self.assertEqual(file.read(), garbage)
         self.kept()
@@ -202,7 +202,7 @@ class FastSlamCheckpoint(PlayedRobot):
         self.run_anew(file=os.path.join(blocked, "checkpoint"))
         self.drive(30)  # several attempts
         self.expect_right_pose()
-        self.assertEqual(self.times_said("No checkpoint can be written"), 1)
+        self.assertEqual(self.times_logged("No checkpoint can be written"), 1)
 
     def test_after_a_reset_or_an_orderly_end_there_is_nothing_to_go_on_from(self):
         self.run_anew()

@@ -34,7 +34,7 @@ class FastSlamNode(PlayedRobot):
                           cls.corrected.subscriber.get_num_connections() > 0)
 
     def setUp(self):
-        """A filter that starts anew at the robot's place."""
+        """Starts the filter again at the robot's place."""
         if self.service is None:
             self.serve()
         rospy.wait_for_service("fast_slam/reset", TIMEOUT_S)
@@ -213,15 +213,15 @@ class FastSlamNode(PlayedRobot):
             self.assertTrue(wait_until(lambda: len(self.corrected.messages) > count))
             return self.corrected.messages[-1].poses
 
-        def told():
+        def warnings():
             return [log.msg for log in self.logs.messages if "moves the pose by" in log.msg]
 
         self.drive(40)
         follow(1.0)
-        self.assertEqual(told(), [])
+        self.assertEqual(warnings(), [])
         poses = follow(1.5)
         moved = 0.5 * SPEED * PERIOD_S * 20
-        self.assertTrue(wait_until(lambda: len(told()) == 1))
+        self.assertTrue(wait_until(lambda: len(warnings()) == 1))
         self.assertAlmostEqual(poses[-1].pose.position.x - poses[0].pose.position.x, 3.0 * moved, delta=0.02)
         self.assertTrue(wait_until(
             lambda: abs(self.pose.messages[-1].pose.pose.position.x - self.x() - moved) < 0.05))

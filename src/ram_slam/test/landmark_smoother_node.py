@@ -32,10 +32,10 @@ class LandmarkSmootherNode(PlayedRobot):
         self.begin()
         self.drive(100)
 
-        def is_told():
+        def has_long_trajectory():
             return self.trajectory.messages and len(self.trajectory.messages[-1].poses) > 80
 
-        self.assertTrue(wait_until(is_told))
+        self.assertTrue(wait_until(has_long_trajectory))
         for bad in (self.list_at(self.now - 3600.0), self.list_at(self.now)):
             bad.header.frame_id = "nowhere"
             self.features.publish(bad)

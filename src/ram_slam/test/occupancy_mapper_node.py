@@ -142,7 +142,7 @@ class OccupancyMapperNode(unittest.TestCase):
     def test_scan_without_a_pose_is_dropped_and_later_ones_are_mapped(self):
         self.see(100.0, 0.025)
         self.assertTrue(wait_until(lambda: self.grid().info.width > 0))
-        self.scans.publish(scan(100.1))  # no transform will ever say where that was
+        self.scans.publish(scan(100.1))  # no transform states where that was
         lost = scan(100.2)
         lost.header.frame_id = "nowhere"
         self.scans.publish(lost)

@@ -182,7 +182,7 @@ private:
     }
   }
 
-  /// Whether more looks from true poses go through the place than end there.
+  /// Whether more beams from true poses go through the place than end there.
   bool isInFreeSpace(const Eigen::Vector2d& place_m) const {
     int empty = 0;
     int visible = 0;

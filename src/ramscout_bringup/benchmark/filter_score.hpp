@@ -43,7 +43,8 @@ struct FilterScore {
   int times_lost = 0;
 };
 
-/// Runs the estimator over the steps, and judges it by the truth. docs/fast_slam.md says how.
+/// Runs the estimator over the steps, and compares it with the truth, as docs/fast_slam.md
+/// describes.
 FilterScore scoreFilter(const SlamParameters& parameters,
                         Judged judged,
                         const std::vector<FilterStep>& steps,

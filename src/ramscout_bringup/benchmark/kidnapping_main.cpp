@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Carries a simulated robot away to random places of a building it has mapped, and tells how it
-// finds back: kidnapping CONFIG_FOLDER SEED COUNT
+// Carries a simulated robot away to random places of a building it has mapped, and reports how it
+// is relocalised: kidnapping CONFIG_FOLDER SEED COUNT
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

@@ -11,8 +11,8 @@
 
 namespace ramscout_bringup {
 
-/// The simulated robot, which tells what its lidar and its wheels say at the same instant, and
-/// where it really was.
+/// The simulated robot, which reports what its lidar and its wheels measure at the same
+/// instant, and where it really was.
 class SimulatedRobot {
 public:
   struct Reading {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Drives generated offices in simulation, and says how good FastSlam alone is there: each seed is
-// another building and other noise. Docs: docs/fast_slam.md.
+// Drives generated offices in simulation, and reports how good FastSlam alone is there: each seed
+// is another building and other noise. Docs: docs/fast_slam.md.
 //
 //   simulated_tours --config DIR [--config DIR ...] FIRST_SEED COUNT [METRES]
 

@@ -35,7 +35,7 @@ class BagRecording : public ramscout_bringup::Recording {
 public:
   /// \throws std::runtime_error if the bag cannot be opened, has no scan topic (the message lists
   /// the topics it has),
-  ///         or does not say where the laser is mounted
+  ///         or does not contain where the laser is mounted
   BagRecording(const std::string& path, BagSelection selection);
 
   std::optional<Reading> next() override;

@@ -20,7 +20,7 @@ ramscout_bringup::Trajectory toTrajectory(const nav_msgs::Path& message) {
 ram_slam::OccupancyGrid toOccupancyGrid(const nav_msgs::OccupancyGrid& message) {
   if (message.data.size() != static_cast<std::size_t>(message.info.width) * message.info.height) {
     throw std::invalid_argument("occupancy grid with " + std::to_string(message.data.size()) +
-                                " cells, says " + std::to_string(message.info.width) + " x " +
+                                " cells instead of " + std::to_string(message.info.width) + " x " +
                                 std::to_string(message.info.height));
   }
   ram_slam::OccupancyGrid grid;

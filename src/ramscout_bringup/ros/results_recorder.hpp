@@ -21,8 +21,8 @@ namespace ramscout_bringup_ros {
 /// What the recorder must find to call a run good.
 struct ResultsRecorderParameters {
   std::string output;  ///< folder to write to; must exist
-  /// Whether a simulator tells the truth and how much of its tour is done. If not, the run is over
-  /// when no pose comes any more for silence_timeout_s, and its errors are not known.
+  /// Whether a simulator publishes the truth and how much of its tour is done. If not, the run is
+  /// over when no pose comes any more for silence_timeout_s, and its errors are not known.
   bool has_ground_truth = true;
   double max_position_error_m =
       0.15;  ///< bound of the root mean square after alignment with the truth

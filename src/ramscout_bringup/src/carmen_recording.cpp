@@ -28,7 +28,7 @@ std::vector<std::string> CarmenRecording::notes() const {
   std::ostringstream mount;
   mount << "laser on the base: x " << log_.base_from_laser.x_m << " m, y "
         << log_.base_from_laser.y_m << " m, yaw " << log_.base_from_laser.yaw_rad << " rad"
-        << (log_.mount_is_known ? "" : " (assumed: the log does not say)");
+        << (log_.mount_is_known ? "" : " (assumed: the log does not contain it)");
   notes.push_back(mount.str());
   if (log_.no_return_m) {
     notes.push_back("readings of " + std::to_string(*log_.no_return_m) +

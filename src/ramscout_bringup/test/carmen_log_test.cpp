@@ -169,7 +169,7 @@ TEST_F(CarmenLogTest, PackedLogsReadAsThePlainOne) {
   }
 }
 
-TEST_F(CarmenLogTest, SaysWhichFileItCouldNotUse) {
+TEST_F(CarmenLogTest, NamesTheFileItCannotUse) {
   const auto message_of = [](const auto& action) -> std::string {
     try {
       action();

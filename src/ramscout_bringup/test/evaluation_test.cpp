@@ -96,7 +96,7 @@ TEST(PathLength, OfTwoSides) {
 }
 
 TEST(CompareWithRelations, ErrorsOfOneRelationByHand) {
-  // The estimate turns by 90 degrees and moves 2 m ahead; the reference says 2.03 m ahead, 0.04 m
+  // The estimate turns by 90 degrees and moves 2 m ahead; the reference states 2.03 m ahead, 0.04 m
   // to the left, 89 deg.
   const Trajectory estimate{{kSecond, {1.0, 1.0, 0.0}}, {50 * kSecond, {3.0, 1.0, M_PI_2}}};
   const double reference_yaw_rad = 89.0 * M_PI / 180.0;
@@ -137,7 +137,7 @@ TEST(CompareWithRelations, TheirOrderDoesNotMatterButStampsDo) {
   EXPECT_NEAR(mean_m, 0.01, 1e-3);
   std::reverse(relations.begin(), relations.end());
   EXPECT_NEAR(compareWithRelations(truth, relations, {}).all.position_m.mean, mean_m, 1e-12);
-  // The circle looks the same a second later: driven at another speed it does not.
+  // A circle is the same a second later, but not when it is driven at another speed.
   Trajectory late = truth;
   for (std::size_t i = 0; i < late.size(); ++i)
     late[i].stamp_ns += kSecond + static_cast<std::int64_t>(i * i) * (kSecond / 200);

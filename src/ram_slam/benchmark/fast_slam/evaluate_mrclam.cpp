@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs FastSlam on a data set of the UTIAS Multi-Robot Cooperative Localization and Mapping
-// collection (Leung et al., IJRR 2011) and compares with its ground truth: once told which landmark
-// is which, once not.
+// collection (Leung et al., IJRR 2011) and compares with its ground truth: once with known
+// association, once without.
 //
 //   evaluate_mrclam FOLDER [SEEDS] [PARTICLES]
 
@@ -122,7 +122,7 @@ private:
   std::vector<Sample> samples_;
 };
 
-/// What a camera looks at; it cannot tell what stands in between.
+/// What a camera sees; it does not know what stands in between.
 class CameraView : public FieldOfView {
 public:
   Sight look(const Eigen::Vector2d& point_in_base_m) const override {
@@ -225,7 +225,8 @@ Pose2 alignment(const Eigen::Matrix2Xd& points, const Eigen::Matrix2Xd& wanted) 
 }
 
 /// Settings for a camera that never reports one landmark twice in a picture, nor one that is not
-/// there, of landmarks 0.2 m apart, which single readings cannot tell apart: all is left to lots.
+/// there, of landmarks 0.2 m apart, which single readings do not distinguish: every pair is
+/// sampled.
 FastSlamParameters cameraParameters() {
   FastSlamParameters parameters;
   parameters.particle_amount = 300;

@@ -30,7 +30,7 @@ void requireFinite(const Constellation& constellation) {
 struct Putative {
   std::size_t target = 0;
   std::size_t source = 0;
-  double likeness = 0.0;  ///< log-likelihood ratio of the looks
+  double likeness = 0.0;  ///< log-likelihood ratio of the appearances
 };
 
 /// A pose that two putatives agree on.

@@ -118,16 +118,16 @@ TEST(Associate, OneThingFoundTwiceIsNotTwoLandmarks) {
 
 TEST(AssociateByDistance, BetweenTheTwoDistancesAFeatureIsNeitherMatchedNorNew) {  // fault F127
   const FastSlamParameters parameters;
-  const auto verdictAt = [&parameters](double distance_m) {
+  const auto outcomeAt = [&parameters](double distance_m) {
     return associateByDistance(observationsOf({{2.0 + distance_m, 0.0}}, 1), treeOf({{2.0, 0.0}}),
                                {}, parameters)
         .associations[0]
         .outcome;
   };
-  EXPECT_EQ(verdictAt(0.99 * parameters.feature_match_distance), AssociationOutcome::kMatched);
-  EXPECT_EQ(verdictAt(1.01 * parameters.feature_match_distance), AssociationOutcome::kIgnored);
-  EXPECT_EQ(verdictAt(0.99 * parameters.minimum_feature_separation), AssociationOutcome::kIgnored);
-  EXPECT_EQ(verdictAt(1.01 * parameters.minimum_feature_separation), AssociationOutcome::kNew);
+  EXPECT_EQ(outcomeAt(0.99 * parameters.feature_match_distance), AssociationOutcome::kMatched);
+  EXPECT_EQ(outcomeAt(1.01 * parameters.feature_match_distance), AssociationOutcome::kIgnored);
+  EXPECT_EQ(outcomeAt(0.99 * parameters.minimum_feature_separation), AssociationOutcome::kIgnored);
+  EXPECT_EQ(outcomeAt(1.01 * parameters.minimum_feature_separation), AssociationOutcome::kNew);
 }
 
 }  // namespace

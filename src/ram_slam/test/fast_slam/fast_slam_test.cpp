@@ -31,23 +31,23 @@ TEST(FastSlam, WithoutFeaturesAndNoiseTheTrajectoryIsTheOdometry) {
   EXPECT_LT(errors.yaw_rad, 1e-12);
 }
 
-TEST(FastSlam, FromAKnownPoseALandmarksCovarianceFallsWithTheNumberOfLooks) {
+TEST(FastSlam, FromAKnownPoseALandmarksCovarianceFallsWithTheNumberOfObservations) {
   constexpr double kVariance_m2 = 4e-4;
-  constexpr int kLooks = 20;
+  constexpr int kObservations = 20;
   FastSlamParameters parameters = plain();
   parameters.particle_amount = 1;
   FastSlam filter(parameters);
   SyntheticOdometry odometry;
   Random random(5);
-  for (int i = 1; i <= kLooks; ++i) {
+  for (int i = 1; i <= kObservations; ++i) {
     odometry.add(i, {}, {}, random);
     filter.update(oneFeature(i, {2.0, 1.0}, kVariance_m2), odometry);
   }
   const Landmark* landmark = filter.best().landmarks.find(0);
   ASSERT_NE(landmark, nullptr);
   EXPECT_NEAR(
-      (landmark->covariance_m2 - kVariance_m2 / kLooks * Eigen::Matrix2d::Identity()).norm(), 0.0,
-      1e-12);
+      (landmark->covariance_m2 - kVariance_m2 / kObservations * Eigen::Matrix2d::Identity()).norm(),
+      0.0, 1e-12);
   EXPECT_NEAR((landmark->mean_m - Eigen::Vector2d(2.0, 1.0)).norm(), 0.0, 1e-12);
 }
 

@@ -34,7 +34,7 @@ TEST(MapDrift, FallsBackToWhatItWasWhenLandmarksOfThenAreSeen) {
   drift.fallBack(then, {there, local});
   EXPECT_NEAR((drift.at(there) - kStep.covariance - local).norm(), 0.0, 1e-9);
   const Eigen::Matrix3d least = drift.covariance();
-  drift.fallBack(100.0 * then, {there, local});  // tells nothing
+  drift.fallBack(100.0 * then, {there, local});  // has no effect
   EXPECT_EQ(drift.covariance(), least);
 }
 

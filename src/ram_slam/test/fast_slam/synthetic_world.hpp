@@ -22,8 +22,8 @@ struct SyntheticNoise {
   double feature_m = 0.03;          ///< standard deviation per axis
 };
 
-/// The odometry of a drive: motions between stamps as an encoder would tell them, with the right
-/// covariance.
+/// The odometry of a drive: motions between stamps as an encoder would measure them, with the
+/// right covariance.
 class SyntheticOdometry : public MotionModel {
 public:
   void add(std::int64_t stamp_ns,

@@ -213,14 +213,14 @@ TEST(LaserOdometry, GoesOnAndSaysSoWhenTheWheelsStopCounting) {  // fault F62
   constexpr int kFrozen = 30;
   LaserOdometry odometry{LaserOdometryParameters()};
   LaserOdometryEstimate last;
-  std::int64_t told_ns = 0;
+  std::int64_t reported_ns = 0;
   for (int i = 0; i < 60; ++i) {
     const LaserScan scan = scanWalls(room(), drive(i) * kMount, (i + 1) * kStepNs);
     last = odometry.update(scan, kMount, drive(std::min(i, kFrozen)));
-    if (last.wheels_stuck && told_ns == 0) told_ns = scan.stamp_ns;
+    if (last.wheels_stuck && reported_ns == 0) reported_ns = scan.stamp_ns;
   }
-  EXPECT_GT(told_ns, kFrozen * kStepNs);
-  EXPECT_LT(told_ns, (kFrozen + 1) * kStepNs + 3'000'000'000);
+  EXPECT_GT(reported_ns, kFrozen * kStepNs);
+  EXPECT_LT(reported_ns, (kFrozen + 1) * kStepNs + 3'000'000'000);
   const Eigen::Vector3d error = difference(last.odom_from_base.pose, drive(59));
   EXPECT_LT(error.head<2>().norm(), 0.02);
   EXPECT_LT(std::abs(error.z()), 0.01);

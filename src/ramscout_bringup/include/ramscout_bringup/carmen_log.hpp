@@ -13,7 +13,7 @@
 
 namespace ramscout_bringup {
 
-/// What a CARMEN log says about the front laser and the wheels.
+/// What a CARMEN log contains about the front laser and the wheels.
 struct CarmenLog {
   /// In strictly rising stamp order; readings follow REP 117.
   std::vector<ram_slam::LaserScan> scans;

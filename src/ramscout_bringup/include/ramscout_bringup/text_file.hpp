@@ -8,8 +8,8 @@
 
 namespace ramscout_bringup {
 
-/// A text file read line by line; `.xz` and `.gz` are unpacked on the way, told by their first
-/// bytes, not their name.
+/// A text file read line by line; `.xz` and `.gz` are unpacked on the way, recognised by
+/// their first bytes, not their name.
 class TextFile {
 public:
   /// \throws std::runtime_error naming the file if it cannot be opened

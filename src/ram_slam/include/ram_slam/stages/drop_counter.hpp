@@ -22,7 +22,7 @@ enum class DropReason {
   kNoPose,             ///< the robot's pose in the map is not known at the stamp
   kQueueFull,          ///< more is waiting than can be used
   kMapFull,            ///< the map would grow beyond its size limit
-  kPaused,             ///< the stage was told to pause
+  kPaused,             ///< the stage is paused
 };
 
 /// One line of plain English, without stamps or numbers, so that it can be a key.
