@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """benchmark_logs.py LOGS OUTPUT: runs the offline stack on every CARMEN log of a folder and prints one table.
 
-A log NAME.clf (also .log, .xz, .gz) is judged by NAME.relations (or NAME.*.relations, also packed) beside it. Each run is
+A log NAME.clf (also .log, .xz, .gz) is evaluated by NAME.relations (or NAME.*.relations, also packed) beside it. Each run is
 pinned to one core; its CPU seconds are those of the whole process, reading and drawing included. The table is also written
 to OUTPUT/table.md and OUTPUT/table.json.
 """

@@ -15,7 +15,7 @@ run() {
 }
 check_format() { git ls-files -z '*.hpp' '*.cpp' | xargs -0 clang-format --dry-run --Werror; }
 
-run "format (make format mends it)" check_format
+run "format (make format repairs it)" check_format
 run "boundaries and lengths" scripts/check_structure.py
 run "documents" scripts/check_docs.py
 run "catkin's manifests" catkin_lint --offline -W2 --strict src

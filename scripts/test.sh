@@ -15,6 +15,6 @@ rm -rf build/test_results build/Testing
 cd build
 ctest --output-on-failure --no-tests=error --timeout 600 "$@" || status=$?
 cd ..
-# ctest counts programs; the total counts the tests inside them. A program that died leaves no result file of its own
+# ctest counts programs; the total counts the tests inside them. A program that crashed leaves no result file of its own
 # or one that reports it, and then ctest's status is not zero either.
 exec /usr/bin/python3 "$scripts/count_tests.py" build/test_results "$status"

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Nodes are killed while the robot drives, and respawned: pose, landmarks and map go on as if nothing had been."""
+"""Nodes are killed while the robot drives, and respawned: pose, landmarks and map continue."""
 import math
 import os
 import signal

@@ -33,7 +33,7 @@ public:
   /// Whether keep() should be called. False while the one before is being written.
   bool isDue(std::int64_t stamp_ns);
   void keep(ram_slam::Checkpoint checkpoint);
-  /// There is nothing to go on from any more: the file goes.
+  /// There is nothing to continue from any more: removes the file.
   void remove();
 
 private:

@@ -12,7 +12,7 @@
 namespace ram_slam_ros {
 namespace {
 
-constexpr std::uint32_t kQueueSize = 1000;  // features go on while it smooths
+constexpr std::uint32_t kQueueSize = 1000;  // features arrive while it smooths
 constexpr double kWarnPeriodS = 5.0;
 constexpr std::int64_t kPatienceNs = 2'000'000'000;  // by the stamps of newer lists
 

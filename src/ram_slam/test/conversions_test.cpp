@@ -79,10 +79,10 @@ TEST(Features, SeenLaterAreMovedToTheStampOfTheirList) {
   ram_slam::FeatureList list;
   list.stamp_ns = 1;
   list.features = {exampleFeature()};
-  const Eigen::Vector2d seen_at_once_m = later * exampleFeature().position_m;
+  const Eigen::Vector2d deskewed_m = later * exampleFeature().position_m;
   list.features[0].delay_ns = 20'000'000;
   const ram_slam::Feature moved = ram_slam::deskew(list, motion, 100'000'000).features.front();
-  EXPECT_LT((moved.position_m - seen_at_once_m).norm(), 1e-12);
+  EXPECT_LT((moved.position_m - deskewed_m).norm(), 1e-12);
   EXPECT_NEAR(moved.orientation_rad, exampleFeature().orientation_rad + 0.04, 1e-12);
   EXPECT_EQ(moved.delay_ns, 0);
   const ram_slam::Feature kept = ram_slam::deskew(list, motion, 0).features.front();

@@ -7,8 +7,8 @@
 
 namespace ram_slam {
 
-/// The least that an estimator can be: it believes the motion and ignores features. Tests add it to
-/// the registry as another package would add its own.
+/// The least that an estimator can be: it integrates the motion and ignores features. Tests add it
+/// to the registry as another package would add its own.
 class DummyEstimator : public Estimator {
 public:
   void update(const FeatureList& features,

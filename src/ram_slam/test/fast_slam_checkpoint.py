@@ -60,7 +60,7 @@ class FastSlamCheckpoint(PlayedRobot):
         self.assertTrue(wait_until(lambda: self.answered(self.step(), PERIOD_S)))
         return self.pose.messages[count].header.stamp.to_sec()
 
-    def run_anew(self, file=None):
+    def run_again(self, file=None):
         """The same with an empty map, of which the first answered reading is the origin."""
         self.origin = self.x(self.run_node(file))
 
@@ -105,7 +105,7 @@ class FastSlamCheckpoint(PlayedRobot):
                 self.step()
                 time.sleep(PERIOD_S)
 
-        self.run_anew()
+        self.run_again()
         driver = threading.Thread(target=drive)
         driver.start()
         try:
@@ -148,7 +148,7 @@ class FastSlamCheckpoint(PlayedRobot):
             self.assertLessEqual(len(near), 1)
 
     def test_without_odometry_since_then_it_is_lost_in_its_map_and_found(self):
-        self.run_anew()
+        self.run_again()
         self.drive(200)  # 10 m
         self.kept()
         known = self.places()
@@ -172,7 +172,7 @@ class FastSlamCheckpoint(PlayedRobot):
         os.makedirs(os.path.dirname(self.file))
         with open(self.file, "wb") as file:
             file.write(garbage)
-        self.run_anew()
+        self.run_again()
         self.expect_right_pose()
         self.assertEqual(self.times_logged("No checkpoint to continue from"), 1)
         with open(self.file + ".refused-1", "rb") as file:
@@ -180,7 +180,7 @@ class FastSlamCheckpoint(PlayedRobot):
         self.kept()
 
     def test_a_checkpoint_of_another_run_of_the_clock_is_put_aside(self):
-        self.run_anew()
+        self.run_again()
         self.drive(20)
         self.kept()
         self.kill()
@@ -189,7 +189,7 @@ class FastSlamCheckpoint(PlayedRobot):
         type(self).now -= 100.0
         type(self).start = self.now + PERIOD_S
         type(self).odometry_from = self.now
-        self.run_anew()
+        self.run_again()
         self.expect_right_pose()
         self.assertTrue(wait_until(lambda: os.path.exists(self.file + ".refused-1")))
         with open(self.file + ".refused-1", "rb") as file:
@@ -199,13 +199,13 @@ class FastSlamCheckpoint(PlayedRobot):
     def test_a_folder_that_cannot_be_written_is_told_once_and_holds_nothing_up(self):
         blocked = os.path.join(self.folder.name, "file")
         open(blocked, "w").close()
-        self.run_anew(file=os.path.join(blocked, "checkpoint"))
+        self.run_again(file=os.path.join(blocked, "checkpoint"))
         self.drive(30)  # several attempts
         self.expect_right_pose()
         self.assertEqual(self.times_logged("No checkpoint can be written"), 1)
 
     def test_after_a_reset_or_an_orderly_end_there_is_nothing_to_go_on_from(self):
-        self.run_anew()
+        self.run_again()
         self.kept()
         self.assertTrue(rospy.ServiceProxy("fast_slam/reset", Trigger)().success)
         self.assertTrue(wait_until(lambda: not os.path.exists(self.file)))

@@ -193,7 +193,7 @@ class OccupancyMapperNode(unittest.TestCase):
             self.assertEqual(len(file.read().split(b"255\n", 1)[1]), grid.info.width * grid.info.height)
         self.assertEqual(sorted(os.listdir(self.folder)), ["shared.pgm", "shared.yaml"])
 
-    def test_save_that_fails_says_why(self):
+    def test_save_that_fails_reports_why(self):
         self.see(100.0, 0.025)
         self.assertTrue(wait_until(lambda: self.grid().info.width > 0))
         os.makedirs(os.path.join(self.folder, "taken.pgm"))

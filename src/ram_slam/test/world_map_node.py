@@ -130,7 +130,7 @@ class WorldMapNodeTest(unittest.TestCase):
         rgb = [field.offset for field in cloud.fields if field.name == 'rgb'][0]
         self.assertEqual(struct.unpack_from('<I', cloud.data, rgb)[0], 0xff0000)
 
-    def test_local_grid_is_drawn_where_its_pose_says(self):
+    def test_local_grid_is_drawn_where_its_pose_states(self):
         self.fill()
         local = LocalOccupancy()
         fill_header(local.header, stamp=6.0)

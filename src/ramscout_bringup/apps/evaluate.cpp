@@ -104,7 +104,7 @@ int main(int argc, char** argv) {
   std::string relations;
   std::string odometry;
   std::string json;
-  app.add_option("trajectory", trajectory, "trajectory to judge")
+  app.add_option("trajectory", trajectory, "trajectory to evaluate")
       ->required()
       ->check(CLI::ExistingFile);
   app.add_option("--ground-truth", truth, "true trajectory")->check(CLI::ExistingFile);

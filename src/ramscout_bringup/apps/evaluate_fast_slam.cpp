@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How good FastSlam alone is on recordings of which the truth is known: error, honesty of the
+// How good FastSlam alone is on recordings of which the truth is known: error, consistency of the
 // covariance, false associations, landmarks. Docs: docs/fast_slam.md.
 //
 //   evaluate_fast_slam --config DIR [--config DIR ...] BAG TRUTH.tum [BAG TRUTH.tum ...]
@@ -51,7 +51,7 @@ std::vector<FilterStep> prepare(const std::string& bag, const SlamParameters& pa
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Judges FastSlam alone on recordings of which the truth is known.");
+  CLI::App app("Evaluates FastSlam alone on recordings of which the truth is known.");
   std::vector<std::string> configs, files;
   app.add_option("--config", configs, "folder of parameter files; may be given more than once")
       ->required()

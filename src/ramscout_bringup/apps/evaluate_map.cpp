@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   std::string trajectory_path;
   std::string truth_path;
   std::string json_path;
-  app.add_option("map", map_path, "map to judge (yaml)")->required()->check(CLI::ExistingFile);
+  app.add_option("map", map_path, "map to evaluate (yaml)")->required()->check(CLI::ExistingFile);
   CLI::Option* true_map =
       app.add_option("--true-map", true_map_path, "true map (yaml)")->check(CLI::ExistingFile);
   CLI::Option* trajectory = app.add_option("--trajectory", trajectory_path,

@@ -74,7 +74,7 @@ Recorded record(const std::string& config,
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Judges FastSlam alone in generated, simulated offices.");
+  CLI::App app("Evaluates FastSlam alone in generated, simulated offices.");
   std::vector<std::string> configs;
   int first = 1;
   int count = 10;

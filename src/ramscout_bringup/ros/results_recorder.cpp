@@ -126,7 +126,7 @@ void ResultsRecorder::waitForTour() {
       allowed_s = parameters_.silence_timeout_s;
     }
     if (!ros::ok() || (ros::WallTime::now() - last_news).toSec() > allowed_s) {
-      throw std::runtime_error("the tour does not go on; never heard: " + silentTopics());
+      throw std::runtime_error("the tour does not continue; no message on: " + silentTopics());
     }
     ros::WallDuration(kPollPeriodS).sleep();
   }
@@ -135,11 +135,11 @@ void ResultsRecorder::waitForTour() {
 void ResultsRecorder::waitForSilence() {
   ros::WallTime last_news = ros::WallTime::now();
   double allowed_s = parameters_.start_timeout_s;
-  std::size_t heard = 0;
+  std::size_t received = 0;
   while ((ros::WallTime::now() - last_news).toSec() <= allowed_s && ros::ok()) {
     ros::spinOnce();
-    if (online_.size() > heard) {
-      heard = online_.size();
+    if (online_.size() > received) {
+      received = online_.size();
       last_news = ros::WallTime::now();
       allowed_s = parameters_.silence_timeout_s;
     }
@@ -163,13 +163,13 @@ void ResultsRecorder::waitForLastMessages() {
   }
   const std::string silent = silentTopics();
   if (!silent.empty())
-    throw std::runtime_error("the tour is over, but nothing was heard on: " + silent);
+    throw std::runtime_error("the tour is over, but no message arrived on: " + silent);
 }
 
 std::string ResultsRecorder::silentTopics() const {
   std::string silent;
-  const auto report = [&](bool heard, const char* topic) {
-    if (!heard) silent += (silent.empty() ? "" : ", ") + node_.resolveName(topic);
+  const auto report = [&](bool is_received, const char* topic) {
+    if (!is_received) silent += (silent.empty() ? "" : ", ") + node_.resolveName(topic);
   };
   if (parameters_.has_ground_truth) {
     report(progress_ > 0.0, "tour_progress");

@@ -46,7 +46,7 @@ public:
 
   /// Blocks until the tour is over and everything is written; shows progress on standard output.
   /// \return whether the estimate is within the bounds; true if there is no truth
-  /// \throws std::runtime_error if nothing is heard for too long, naming the topics that were
+  /// \throws std::runtime_error if nothing is received for too long, naming the topics that were
   /// silent
   bool run();
 

@@ -10,7 +10,7 @@
 
 namespace ramscout_feature_detector_ros {
 
-/// Turns `scan` into `features` of type "edge", in the base frame; `feature_markers` if somebody
+/// Turns `scan` into `features` of type "edge", in the base frame; `feature_markers` if a node
 /// wants to see them.
 class EdgeDetectorNode {
 public:

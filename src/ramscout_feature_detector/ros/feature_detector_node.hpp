@@ -11,7 +11,7 @@
 namespace ramscout_feature_detector_ros {
 
 /// Turns `scan` into `features`, in the base frame; `feature_markers` and `feature_image` (the
-/// processing, see pictureOfProcessing()) if somebody wants to see them.
+/// processing, see pictureOfProcessing()) while they are subscribed to.
 class FeatureDetectorNode {
 public:
   /// \throws std::invalid_argument for parameters that are unknown or out of range
@@ -19,7 +19,7 @@ public:
 
 private:
   void detect(const ram_slam::LaserScan& scan, const ram_slam::Pose2& base_from_laser);
-  /// Markers and picture, if somebody wants to see them.
+  /// Markers and picture, while they are subscribed to.
   void show(const ram_slam::LaserScan& scan,
             const ram_slam::FeatureList& list,
             const ram_slam::Pose2& base_from_laser,

@@ -40,7 +40,7 @@ TEST(DriveModels, ParametersOfEveryModelAreDocumented) {
 
 TEST(DriveModels, EachReadsItsOwnParametersOnly) {
   for (const auto& [name, type] : driveModels()) {
-    ram_parameters::ParameterReader unknown(YAML::Load("{unheard_of: 1}"), name);
+    ram_parameters::ParameterReader unknown(YAML::Load("{unknown_key: 1}"), name);
     EXPECT_THROW(type.read(unknown), std::invalid_argument) << name;
     ram_parameters::ParameterReader negative(YAML::Load("{" + type.rows()[0].key + ": -1}"), name);
     EXPECT_THROW(type.read(negative), std::invalid_argument) << name;

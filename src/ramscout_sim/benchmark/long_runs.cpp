@@ -165,12 +165,12 @@ bool compareRays(const char* name, const World& world) {
     }
   }
   const std::vector<float> found = RayCaster(world).cast(rays);
-  OdeRays oracle(world);
+  OdeRays reference(world);
   double largest_m = 0.0;
   int beyond = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const double error_m =
-        std::abs(std::min(50.0, static_cast<double>(found[i])) - oracle.cast(rays[i]));
+        std::abs(std::min(50.0, static_cast<double>(found[i])) - reference.cast(rays[i]));
     largest_m = std::max(largest_m, error_m);
     beyond += error_m > 1e-3 ? 1 : 0;
   }

@@ -115,7 +115,7 @@ void RobotInterface::onCommand(const ros::MessageEvent<geometry_msgs::Twist cons
   }
 }
 
-/// The last command wins, whoever it is from.
+/// The last command wins, whichever node published it.
 void RobotInterface::warnOfOtherCommander(const std::string& commander) {
   const ros::SteadyTime now = ros::SteadyTime::now();
   if (!commander_.empty() && commander != commander_ &&

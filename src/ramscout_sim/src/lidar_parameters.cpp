@@ -99,7 +99,7 @@ void addNoise(ParameterTable<P>& table) {
       .add("warm_up_drift_m", &P::warm_up_drift_m, "m", between(-1.0, 1.0),
            "All ranges are this much too long at first.")
       .add("warm_up_time_s", &P::warm_up_time_s, "s", positive(),
-           "Time constant with which that error dies away.")
+           "Time constant with which that error decays.")
       .add("range_resolution_m", &P::range_resolution_m, "m", {0.0, 1.0, true, false},
            "Ranges are multiples of it; 0: not rounded.")
       .add("outlier_probability", &P::outlier_probability, "", within(0.0, 1.0),
@@ -144,7 +144,7 @@ const ParameterTable<LightParameters>& LightParameters::table() {
           .add("max_surfaces", &Light::max_surfaces, "", within(1, 1000),
                "Most surfaces that one beam passes or is mirrored by.")
           .add("behind_surface_m", &Light::behind_surface_m, "m", positive(),
-               "How far behind a surface light goes on, so that it does not meet it again.");
+               "How far behind a surface light continues, so that it does not meet it again.");
   return table;
 }
 

@@ -46,8 +46,8 @@ const aiScene* import(Assimp::Importer& importer, const std::string& path) {
   }
 }
 
-/// Assimp dies of some damaged files (a DAE whose arrays have no count is one) and takes all memory
-/// for others: a child process tries first, with room and time for what the size justifies.
+/// Assimp crashes on some damaged files (a DAE whose arrays have no count is one) and takes all
+/// memory for others: a child process tries first, with room and time for what the size justifies.
 [[maybe_unused]] void requireHarmless(const std::string& path, std::uintmax_t size_bytes) {
   const auto patience_s = static_cast<unsigned>(10 + size_bytes / 5'000'000);
   const rlim_t room_bytes = 4'000'000'000 + 64 * size_bytes;

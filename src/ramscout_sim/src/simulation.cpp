@@ -187,7 +187,7 @@ void Simulation::setOthers(std::vector<Solid> shapes, std::vector<Footprint> foo
   others_ = std::move(footprints);
 }
 
-/// People, doors and other robots go on, and what of them is near enough can be touched.
+/// People, doors and other robots move on, and what of them is near enough can be touched.
 void Simulation::moveActors() {
   const Footprint own = footprint();
   std::vector<Footprint> robots = others_;

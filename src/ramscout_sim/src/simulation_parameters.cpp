@@ -28,7 +28,7 @@ const ram_parameters::ParameterTable<SimulationParameters>& SimulationParameters
                      "avx512 casts a fifth more rays than avx2, in meshes almost twice as many.")
           .heading("Limits of what the motors are asked for")
           .section("drive", &P::drive, DriveParameters::table())
-          .heading("How the real robot differs from what its odometry believes")
+          .heading("How the real robot differs from what its odometry assumes")
           .section("odometry", &P::odometry, OdometryParameters::table())
           .heading("The lidar")
           .section("lidar", &P::lidar, LidarParameters::table())

@@ -40,7 +40,7 @@ const ram_parameters::ParameterTable<LockStepParameters>& LockStepParameters::ta
                "After each scan, wait until a message of the scan's stamp or later came on each "
                "of these topics (any type that begins with a header). Empty: never wait.")
           .add("timeout_s", &P::timeout_s, "s", aboveUpTo(0.0, 3600.0),
-               "Wall time after which the simulation goes on without an answer; before the first "
+               "Wall time after which the simulation continues without an answer; before the first "
                "answer at most 0.5 s.")
           .add("start_timeout_s", &P::start_timeout_s, "s", within(0.0, 3600.0),
                "Wall time to wait at the start for the lock step's partners to connect.")

@@ -26,7 +26,8 @@ struct Group {
   std::ptrdiff_t size() const { return end - begin; }
 };
 
-/// Beams are nearly level: how likely they meet a box goes by its circumference.
+/// Beams are nearly level: the probability that they meet a box is proportional to its
+/// circumference.
 float circumference_m(const Eigen::AlignedBox3f& bounds) {
   return bounds.sizes().head<2>().sum();
 }

@@ -221,7 +221,7 @@ void writeCorners(const std::vector<WorldCorner>& corners, const std::string& pa
   stream << std::fixed << std::setprecision(6);  // no exponents: not every reader takes 1e-9
   stream << "# Corners of the free space [m, rad] in the world: orientation points into the free "
             "space,\n# opening is its angle, the walls' lengths are those to the left and right of "
-            "somebody who faces\n# the corner.\ncorners:\n";
+            "an observer who faces\n# the corner.\ncorners:\n";
   for (const WorldCorner& corner : corners) {
     stream << "  - {x: " << corner.position_m.x() << ", y: " << corner.position_m.y()
            << ", orientation_rad: " << corner.orientation_rad

@@ -42,7 +42,7 @@ TEST(Physics, AWallStopsTheRobotAtThreeMetresPerSecond) {
   EXPECT_LT(deepest_m, kSpeed_mps * kStep_s);
   EXPECT_TRUE(physics.touchesSolid());
   EXPECT_LT(poseOf(physics).x_m, kFace_m - kHalfLength_m + 1e-3);
-  // The wheels go on turning: odometry runs on while the robot stays.
+  // The wheels keep turning: odometry runs on while the robot stays.
   EXPECT_GT(kWheelRadius_m * physics.wheelAngles_rad()[0], 8.0);
 }
 

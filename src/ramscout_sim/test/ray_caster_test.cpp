@@ -82,7 +82,7 @@ private:
 /// Share of the rays on which the two differ by more than a millimetre, `count` rays all over.
 double shareThatDiffers(const World& world, int count) {
   const RayCaster caster(world);
-  OdeRays oracle(world);
+  OdeRays reference(world);
   const Eigen::AlignedBox3d bounds = boundsOf(world);
   Random random(9, Stream::kRange);
   std::vector<Ray> rays;
@@ -102,7 +102,7 @@ double shareThatDiffers(const World& world, int count) {
   int different = 0;
   int compared = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const double truth_m = oracle.cast(rays[i]);
+    const double truth_m = reference.cast(rays[i]);
     if (truth_m > 30.0) continue;  // beyond any lidar; ODE's floor has no end
     ++compared;
     if (std::abs(static_cast<double>(found[i]) - truth_m) > 1e-3) ++different;

@@ -173,7 +173,8 @@ TEST(WheelOdometry, SlipGrowsWithTheRootOfTheWay) {
   }
 }
 
-/// Mean over seeds of the squared error in units of the published covariance; 3 if that is honest.
+/// Mean over seeds of the squared error in units of the published covariance; 3 if that is
+/// consistent.
 double meanNees(const OdometryParameters& parameters, int runs) {
   double sum = 0.0;
   for (int seed = 0; seed < runs; ++seed) {

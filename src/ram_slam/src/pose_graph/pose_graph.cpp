@@ -69,7 +69,7 @@ private:
   Eigen::Matrix3d root_;
 };
 
-/// How far dynamic covariance scaling believes an edge.
+/// The weight of an edge in dynamic covariance scaling.
 double trust(double chi2, double tolerance_chi2) {
   return std::min(1.0, 2.0 * tolerance_chi2 / (tolerance_chi2 + chi2));
 }
@@ -151,7 +151,7 @@ const ram_parameters::ParameterTable<PoseGraphParameters>& PoseGraphParameters::
   static const auto table =
       ParameterTable<P>()
           .add("closure_tolerance_chi2", &P::closure_tolerance_chi2, "", positive(),
-               "Squared Mahalanobis distance up to which a closure is believed in full.")
+               "Squared Mahalanobis distance up to which a closure has full weight.")
           .add("graph_max_iterations", &P::max_iterations, "", atLeast(1),
                "Most iterations of one solution of the graph.")
           .expert("Precision of the pose graph")
@@ -184,8 +184,8 @@ PoseGraphSolution solvePoseGraph(const PoseGraph& graph, const PoseGraphParamete
   solution.map_from_node = graph.map_from_node;
   if (graph.edges.empty()) return solution;
 
-  // Graduated (Yang et al., RA-L 2020): at first every edge is believed, then ever less error is
-  // tolerated. A true closure of a long loop would otherwise be disbelieved for the drift that it
+  // Graduated (Yang et al., RA-L 2020): at first every edge has full weight, then ever less error
+  // is tolerated. A true closure of a long loop would otherwise be rejected for the drift that it
   // is there to correct.
   PoseGraph solved = graph;
   double tolerance_chi2 = std::max(parameters.closure_tolerance_chi2, largestDoubtfulChi2(solved));

@@ -73,7 +73,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   const Pose2 found_motion = before.inverse() * found.map_from_laser * base_from_laser.inverse();
   estimate.jumped = odom_from_base && last_wheels_ && isJump(found_motion, prediction, interval_s);
   if (estimate.jumped) {
-    // Whatever walls the scan was matched with, the robot cannot have got there: it goes on from
+    // Whatever walls the scan was matched with, the robot cannot have got there: it continues from
     // where the wheels lead.
     found.map_from_laser = before * prediction.motion * base_from_laser;
     found.information.setZero();

@@ -74,7 +74,7 @@ const ram_parameters::ParameterTable<LoopCloserParameters>& LoopCloserParameters
           .add("loop_sweep_path_m", &P::sweep_path_m, "m", positive(),
                "Path along which poses may still have drifted once all loops found are closed.")
           .add("closure_min_trust", &P::min_trust, "", within(0.0, 1.0),
-               "A closure is outvoted that the pose graph believes less.");
+               "A closure of less weight in the pose graph is outvoted.");
   return table;
 }
 

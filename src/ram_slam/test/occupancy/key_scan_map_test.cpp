@@ -25,8 +25,8 @@ LaserScan scanAt(std::int64_t stamp_ns) {
 
 const Pose2 kBaseFromLaser{0.2, 0.05, 0.1};
 
-/// What the robot believes at stamp 100 k, and where it really was.
-Pose2 believed(int k) {
+/// The estimated pose at stamp 100 k, and where it really was.
+Pose2 estimated(int k) {
   return {0.25 * k, 0.0, 0.0};
 }
 Pose2 corrected(int k) {
@@ -65,7 +65,7 @@ TEST(KeyScanMap, MapsTheFirstScanAndThoseAfterAMotion) {
 }
 
 TEST(KeyScanMap, CorrectedMapEqualsOneDrawnFromTheCorrectedPoses) {
-  KeyScanMap map = mapOfTenScans(believed);
+  KeyScanMap map = mapOfTenScans(estimated);
   const KeyScanMap truth = mapOfTenScans(corrected);
   EXPECT_NE(map.mapper().grid().cells, truth.mapper().grid().cells);
   Trajectory trajectory;
@@ -92,7 +92,7 @@ TEST(KeyScanMap, ACorrectedTrajectoryAlsoGivesTheMotionDuringAScan) {
 }
 
 TEST(KeyScanMap, ScansBetweenThePosesOfATrajectoryAreInterpolated) {
-  KeyScanMap map = mapOfTenScans(believed);
+  KeyScanMap map = mapOfTenScans(estimated);
   EXPECT_EQ(map.correct({{0, {0.0, 0.0, M_PI_2}}, {900, {0.0, 2.25, M_PI_2}}}), 10);
   map.draw();
   const KeyScanMap truth = mapOfTenScans([](int k) { return Pose2{0.0, 0.25 * k, M_PI_2}; });
@@ -100,12 +100,12 @@ TEST(KeyScanMap, ScansBetweenThePosesOfATrajectoryAreInterpolated) {
 }
 
 TEST(KeyScanMap, ScansAfterTheCorrectionMoveRigidlyWithItAndEarlierOnesStay) {
-  KeyScanMap map = mapOfTenScans(believed);
+  KeyScanMap map = mapOfTenScans(estimated);
   const Pose2 shift{0.0, 1.0, 0.3};
-  EXPECT_EQ(map.correct({{500, shift * believed(5)}, {600, shift * believed(6)}}), 5);
+  EXPECT_EQ(map.correct({{500, shift * estimated(5)}, {600, shift * estimated(6)}}), 5);
   map.draw();
   const KeyScanMap expected = mapOfTenScans([](int k) {
-    return k < 5 ? believed(k) : Pose2{0.0, 1.0, 0.3} * believed(k);
+    return k < 5 ? estimated(k) : Pose2{0.0, 1.0, 0.3} * estimated(k);
   });
   expectNearlySameCells(map.mapper(), expected.mapper());
 }
@@ -114,15 +114,15 @@ TEST(KeyScanMap, KeepsAsManyScansAsItMayAndTheMapOfAll) {
   OccupancyMapperParameters parameters;
   parameters.max_scan_count = 4;
   KeyScanMap map(parameters);
-  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), believed(k), kBaseFromLaser);
+  for (int k = 0; k < 10; ++k) map.add(scanAt(100 * k), estimated(k), kBaseFromLaser);
   map.draw();
   EXPECT_EQ(map.scanCount(), 4u);
   EXPECT_EQ(map.settledCount(), 6u);
-  EXPECT_EQ(map.mapper().grid().cells, mapOfTenScans(believed).mapper().grid().cells);
+  EXPECT_EQ(map.mapper().grid().cells, mapOfTenScans(estimated).mapper().grid().cells);
 }
 
 TEST(KeyScanMap, BadTrajectoriesAndLateScansAreRefusedAndChangeNothing) {
-  KeyScanMap map = mapOfTenScans(believed);
+  KeyScanMap map = mapOfTenScans(estimated);
   const std::uint64_t revision = map.mapper().revision();
   EXPECT_THROW(map.correct({{900, {}}, {0, {}}}), std::invalid_argument);
   EXPECT_THROW(map.correct({{0, {std::nan(""), 0.0, 0.0}}}), std::invalid_argument);
@@ -133,7 +133,7 @@ TEST(KeyScanMap, BadTrajectoriesAndLateScansAreRefusedAndChangeNothing) {
 }
 
 TEST(KeyScanMap, ScansThatCannotBeDrawnWhereTheyBelongStayWhereTheyWere) {
-  KeyScanMap map = mapOfTenScans(believed);
+  KeyScanMap map = mapOfTenScans(estimated);
   const std::uint64_t revision = map.mapper().revision();
   EXPECT_EQ(map.correct({{0, {1e9, 0.0, 0.0}}, {900, {1e9, 0.0, 0.0}}}), 10);
   int failures = 0;

@@ -168,10 +168,10 @@ double errorOfTenTurns_rad(bool timed) {
 }
 
 TEST(LaserOdometry, TurnsRightWithALaserThatTakesTimeToSweep) {
-  const double told_rad = errorOfTenTurns_rad(true);
-  const double untold_rad = errorOfTenTurns_rad(false);
-  EXPECT_LT(told_rad, 0.02);
-  EXPECT_GT(untold_rad, 0.5);  // of the 63 that it turned
+  const double corrected_rad = errorOfTenTurns_rad(true);
+  const double uncorrected_rad = errorOfTenTurns_rad(false);
+  EXPECT_LT(corrected_rad, 0.02);
+  EXPECT_GT(uncorrected_rad, 0.5);  // of the 63 that it turned
 }
 
 TEST(LaserOdometry, StartsWhereTheWheelsAre) {

@@ -78,7 +78,7 @@ TEST(RefineJointly, CountsNoPairsOfScansThatHardlyMeet) {
 }
 
 TEST(RefineJointly, PairsOtherPassagesThatSeeTheSamePlace) {
-  // The way back is 3 cm beside the way there; without pairs of chains only passages mend it.
+  // The way back is 3 cm beside the way there; without pairs of chains only passages correct it.
   const std::vector<Pose2> truth = thereAndBack(30);
   std::vector<KeyScan> keys = scansAt(pillarRoom(), truth, truth).keys();
   std::vector<Pose2> expected;

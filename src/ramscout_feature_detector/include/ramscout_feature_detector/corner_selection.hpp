@@ -26,7 +26,7 @@ bool isAdmissible(const TwoLineCorner& corner,
 
 /// Whether the image agrees that two lines make a corner: there is a peak of at least
 /// corner_threshold where they cross on two consecutive levels, or on one if their significance is
-/// at least single_level_significance (or there is one level only). Each crossing is judged on its
+/// at least single_level_significance (or there is one level only). Each crossing is tested on its
 /// own, whatever else is in the image.
 ///
 /// \param peaks_on  the peaks around the crossing on a level; called from the finest level on until

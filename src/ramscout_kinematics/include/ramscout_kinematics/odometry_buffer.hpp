@@ -31,7 +31,7 @@ struct OdometryBufferParameters {
   /// A sample older than the newest by more than this means that the clock was set back: the
   /// history is forgotten.
   double clock_jump_s = 1.0;
-  /// How far past the newest sample the last velocity is trusted.
+  /// How far past the newest sample the last velocity is assumed.
   double max_extrapolation_s = 0.0;
   /// Longer intervals between samples are gaps: the noise of the motion is multiplied by interval /
   /// gap_s.
@@ -62,8 +62,8 @@ enum class Added {
   kRepeated,       // replaced one of the same stamp
   kTooLate,        // dropped: older than the reorder window
   kJump,           // held back: implies an impossible speed
-  kDiscontinuity,  // the third in a row that does: the odometry was reset, motion goes on from its
-                   // new origin
+  kDiscontinuity,  // the third in a row that does: the odometry was reset, motion continues from
+                   // its new origin
   kClockSetBack,   // the first of a new history
 };
 

@@ -36,7 +36,7 @@ struct ActorParameters {
 
 /// What moves in a world: people on two legs, doors, and guests, whose poses others decide.
 ///
-/// People and doors stop where they would touch a robot, and go on when it is out of their way:
+/// People and doors stop where they would touch a robot, and continue when it is out of their way:
 /// they never push it, and a robot that drives into them meets a wall. Their motion depends on
 /// nothing but the world, the commands and the robots' ways.
 class Actors {
@@ -49,7 +49,7 @@ public:
   /// no such door or `openness` is not in [0, 1]
   void setDoor(const std::string& name, double openness);
 
-  /// Somebody who is there from now until `until_s`.
+  /// A person who is there from now until `until_s`.
   void addPerson(const Person& person, double until_s);
 
   /// Shapes of other robots, where they are now.

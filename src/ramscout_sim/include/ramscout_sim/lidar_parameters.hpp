@@ -21,7 +21,7 @@ struct LightParameters {
   int footprint_rays = 5;
   /// Most surfaces that one beam passes or is mirrored by.
   int max_surfaces = 16;
-  /// How far behind a surface light goes on, so that it does not meet it again.
+  /// How far behind a surface light continues, so that it does not meet it again.
   double behind_surface_m = 1e-4;
 
   static const ram_parameters::ParameterTable<LightParameters>& table();
@@ -47,7 +47,7 @@ struct LidarParameters {
   /// Standard deviation of an error that all beams share and that stays for a run.
   double range_bias_sigma_m = 0.0;
   /// Of a lidar that was switched on when the simulation began: all ranges are this much too long,
-  /// and the error dies away with the time constant.
+  /// and the error decays with the time constant.
   double warm_up_drift_m = 0.0;
   double warm_up_time_s = 600.0;
   /// Ranges are multiples of it; 0: not rounded.

@@ -45,7 +45,7 @@ public:
 
   /// Advances by `duration_s`; the motors try to turn the wheels like that, within their torque;
   /// steering follows at once. \throws std::runtime_error if the result is absurd; the
-  /// simulation must not go on then
+  /// simulation must not continue then
   void step(double duration_s, const WheelMotion& motion);
 
   Eigen::Isometry3d worldFromBase() const;

@@ -31,7 +31,7 @@ struct RobotParameters {
 struct LockStepParameters {
   /// Topics whose messages begin with a header; empty: it never waits.
   std::vector<std::string> topics;
-  /// Wall time after which the simulation goes on without an answer.
+  /// Wall time after which the simulation continues without an answer.
   double timeout_s = 5.0;
   /// Wall time to wait at the start until every topic has a publisher and scans have a subscriber.
   double start_timeout_s = 30.0;

@@ -12,7 +12,7 @@
 
 namespace ramscout_sim {
 
-/// How the robot that drives differs from the robot that its odometry believes in, and what its
+/// How the robot that drives differs from the robot that its odometry assumes, and what its
 /// encoders add.
 struct OdometryParameters {
   /// True diameter of the right wheel over that of the left (Ed in Borenstein and Feng, 1996);
@@ -28,7 +28,7 @@ struct OdometryParameters {
   double slip_yaw_sigma_rad_per_sqrt_m = 0.005;
   /// Standard deviation of the heading after turning one radian on the spot.
   double slip_yaw_sigma_rad_per_sqrt_rad = 0.005;
-  /// How well the base believes that it was calibrated: standard deviations of the two ratios, for
+  /// How well the base is calibrated as far as it knows: standard deviations of the two ratios, for
   /// the covariance only.
   double wheel_diameter_ratio_tolerance = 0.0005;
   double track_ratio_tolerance = 0.002;

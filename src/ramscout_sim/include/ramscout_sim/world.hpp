@@ -49,7 +49,7 @@ struct Solid {
   bool drivable = false;
 };
 
-/// Somebody who walks to and fro along a polyline, on two legs, and stops for robots.
+/// A person who walks to and fro along a polyline, on two legs, and stops for robots.
 struct Person {
   std::string name;
   std::vector<Eigen::Vector2d> waypoints_m;  ///< at least one

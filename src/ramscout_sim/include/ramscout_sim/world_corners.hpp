@@ -16,8 +16,8 @@ struct WorldCorner {
   double orientation_rad = 0.0;
   /// Angle of the free space between the two walls: a room's corner pi / 2, a pillar's 3/2 pi.
   double opening_rad = 0.0;
-  /// Lengths of the two walls, to the left and to the right for somebody who stands in the free
-  /// space and faces the corner.
+  /// Lengths of the two walls, to the left and to the right as seen by an observer who stands in
+  /// the free space and faces the corner.
   double left_wall_m = 0.0;
   double right_wall_m = 0.0;
 };

@@ -61,7 +61,7 @@ private:
   std::int64_t max_offset_ns_;
   std::deque<StampedPose2> wheels_;    ///< as many as the turns that wait need
   std::deque<Turn> waiting_;           ///< for wheels after them
-  std::optional<StampedPose2> start_;  ///< of the turn that goes on
+  std::optional<StampedPose2> start_;  ///< of the current turn
   std::vector<double> errors_rad_;     ///< by offset
   std::size_t turn_count_ = 0;
   std::int64_t offset_ns_ = 0;

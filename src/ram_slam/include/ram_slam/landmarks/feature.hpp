@@ -37,8 +37,8 @@ struct FeatureList {
 
 /// The features as they would have been seen at the list's stamp, all at once: a lidar that sweeps
 /// sees each at another time.
-/// \param motion  of the robot over the interval up to the stamp, taken to go on as it was; without
-/// effect if the interval is not positive or longer than 1 s
+/// \param motion  of the robot over the interval up to the stamp, assumed to continue unchanged;
+/// without effect if the interval is not positive or longer than 1 s
 FeatureList deskew(FeatureList list, const Pose2& motion, std::int64_t interval_ns);
 
 }  // namespace ram_slam

@@ -28,13 +28,13 @@ struct PoseGraph {
 
 struct PoseGraphSolution {
   std::vector<Pose2> map_from_node;
-  /// How far each edge was believed, 0 .. 1; 1 for edges that cannot be false.
+  /// Weight of each edge, 0 .. 1; 1 for edges that cannot be false.
   std::vector<double> edge_trust;
 };
 
 /// Settings of the least squares over a graph.
 struct PoseGraphParameters {
-  /// Squared Mahalanobis distance up to which a doubtful edge is believed in full: Phi in dynamic
+  /// Squared Mahalanobis distance up to which an uncertain edge has full weight: Phi in dynamic
   /// covariance scaling (Agarwal et al., ICRA 2013).
   double closure_tolerance_chi2 = 5.0;
   int max_iterations = 20;

@@ -96,7 +96,7 @@ private:
   std::deque<KeyScan> key_scans_;
   std::optional<Pose2> last_wheels_;
   WheelBias wheel_bias_;
-  std::optional<Interval> interval_;  ///< that goes on
+  std::optional<Interval> interval_;  ///< the current one
   std::optional<Interval> standing_;  ///< since the wheels stand still
   LaserOdometryEstimate last_;
   double last_interval_s_ = 0.0;

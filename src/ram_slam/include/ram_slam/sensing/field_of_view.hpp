@@ -13,10 +13,10 @@
 
 namespace ram_slam {
 
-/// What a sensor observed of a point at which something is believed to be.
+/// What a sensor observed of a point at which something is expected.
 enum class Sight {
   kHidden,   ///< out of view or behind something: no information
-  kVisible,  ///< something is there or close to it: what is believed to be there should have been
+  kVisible,  ///< something is there or close to it: what is expected there should have been
              ///< seen
   kEmpty,    ///< the view goes well past it: nothing is there
 };

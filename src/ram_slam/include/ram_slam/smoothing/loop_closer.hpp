@@ -39,7 +39,7 @@ struct LoopCloserParameters {
   double failed_margin_m = 0.25;  ///< by which the new window may be larger
   double failed_margin_rad = 0.05;
   double sweep_path_m = 30.0;  ///< once all loops are closed, no pose has drifted by more path
-  double min_trust = 0.5;      ///< a closure is outvoted that the graph believes less
+  double min_trust = 0.5;      ///< a closure of less weight in the graph is outvoted
 
   static const ram_parameters::ParameterTable<LoopCloserParameters>& table();
 };
@@ -94,8 +94,8 @@ public:
 
   /// The edges of accepted closures, in the order in which they were found.
   std::vector<PoseEdge> acceptedEdges() const;
-  /// Outvotes accepted closures that are not believed.
-  /// \param trust  how far each of acceptedEdges() is believed, 0 .. 1
+  /// Outvotes accepted closures of low weight.
+  /// \param trust  weight of each of acceptedEdges() in the graph, 0 .. 1
   void outvote(const std::vector<double>& trust);
 
 private:

@@ -7,10 +7,10 @@
 
 namespace ramscout_sim_ros {
 
-/// A mutex that goes to whoever asked first. A thread that unlocks and locks it in a loop, as a
-/// simulation that runs as fast as it can does, keeps no other thread waiting for longer than one
-/// round; with a std::mutex it can for seconds. Fits std::lock_guard, std::unique_lock and
-/// std::condition_variable_any.
+/// A mutex that is given to the thread that requested it first. A thread that unlocks and locks it
+/// in a loop, as a simulation that runs as fast as it can does, keeps no other thread waiting for
+/// longer than one round; with a std::mutex it can for seconds. Fits std::lock_guard,
+/// std::unique_lock and std::condition_variable_any.
 class FairMutex {
 public:
   void lock() {
