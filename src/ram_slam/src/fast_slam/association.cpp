@@ -10,9 +10,6 @@
 namespace ram_slam {
 namespace {
 
-constexpr int kPasses = 2;
-constexpr std::size_t kMostHypotheses = 64;  // about as many are compared at once
-
 bool isMatched(const std::vector<Association>& associations, LandmarkId id) {
   return std::any_of(
       associations.begin(), associations.end(), [id](const Association& association) {
@@ -52,7 +49,9 @@ public:
     for (std::size_t i = 0; i < observations_.size(); ++i) {
       if (evidence_.associations[i].outcome == AssociationOutcome::kMatched) continue;
       const std::size_t alternatives = 1 + pairsOf(i).size();
-      const bool full = !parameters_.draw_jointly || count * alternatives > kMostHypotheses;
+      const bool full =
+          !parameters_.draw_jointly ||
+          count * alternatives > static_cast<std::size_t>(parameters_.maximum_hypotheses);
       if (full && !open.empty()) {
         sampleOne(open, random);
         open.clear();
@@ -246,7 +245,7 @@ Evidence associate(const std::vector<Observation>& observations,
                    Random random) {
   Associator associator(observations, landmarks, map_from_base, parameters);
   bool left = true;
-  for (int i = 0; i < kPasses && left; ++i) left = associator.pass();
+  for (int i = 0; i < parameters.association_passes && left; ++i) left = associator.pass();
   if (left) associator.sample(random);
   return associator.finish();
 }

@@ -8,20 +8,20 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "ram_slam/fast_slam/association_candidates.hpp"
+#include "ram_slam/fast_slam/landmark_existence.hpp"
 #include "ram_slam/fast_slam/map_summary.hpp"
+#include "ram_slam/fast_slam/pose_estimate.hpp"
 #include "ram_slam/fast_slam/resampling.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 
 namespace ram_slam {
 namespace {
 
-constexpr double kMemory = 0.95;  // of the running means of quality, per list
-constexpr double kSymmetryTolerance = 1e-9;
-// Landmarks younger than those of a map from a file may have been known to others.
+constexpr double kSymmetryTolerance = 1e-9;  // rounding of covariances, relative to their size
+// Others may know landmarks that were created after a map was written to its file. How many is not
+// known; a generous number, of 2^32 identifiers.
 constexpr LandmarkId kSkippedIds = 10000;
-// Orientations: of things as they are, beyond what detectors state; share that is plainly wrong.
-constexpr double kOrientationSigma_rad = 0.07;
-constexpr double kWrongOrientations = 0.001;
 
 void requireGood(const Feature& feature) {
   const Eigen::Matrix2d& c = feature.covariance_m2;
@@ -47,39 +47,16 @@ void requireGood(const PoseWithCovariance2& pose) {
   }
 }
 
-Pose2 draw(const PoseWithCovariance2& from, Random random) {
-  if (from.covariance.isZero(0.0)) return from.pose;
-  const Eigen::Vector3d noise = random.gaussian(from.covariance);
-  return {from.pose.x_m + noise.x(), from.pose.y_m + noise.y(),
-          wrapAngle(from.pose.yaw_rad + noise.z())};
-}
-
-double orientationEvidence(const LandmarkRecord& record,
-                           const Feature& feature,
-                           const PoseWithCovariance2& map_from_base) {
-  const double variance_rad2 = record.orientation_variance_rad2 +
-                               feature.orientation_variance_rad2 + map_from_base.covariance(2, 2) +
-                               kOrientationSigma_rad * kOrientationSigma_rad;
-  return orientationLogRatio(
-      map_from_base.pose.yaw_rad + feature.orientation_rad - record.orientation_rad, variance_rad2,
-      kWrongOrientations);
-}
-
-std::size_t largest(const std::vector<double>& weights) {
-  return static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) -
-                                  weights.begin());
-}
-
-Eigen::Vector3d difference(const Pose2& a, const Pose2& b) {
-  return {a.x_m - b.x_m, a.y_m - b.y_m, wrapAngle(a.yaw_rad - b.yaw_rad)};
-}
-
 }  // namespace
 
 FastSlam::FastSlam(const FastSlamParameters& parameters,
                    FeatureMatchers matchers,
                    const PoseWithCovariance2& map_from_base)
-    : parameters_(parameters), matchers_(std::move(matchers)) {
+    : parameters_(parameters),
+      matchers_(std::move(matchers)),
+      proposal_(makeProposal(parameters)),
+      drift_(parameters.drift_yaw_arm_m),
+      shared_error_(parameters.shared_error) {
   parameters_.validate();
   particles_.resize(parameters_.particle_amount);
   setPose(map_from_base);
@@ -92,13 +69,13 @@ void FastSlam::setPose(const PoseWithCovariance2& map_from_base) {
     particles_[i] = kept;
     particles_[i].log_weight = 0.0;
     particles_[i].proposal = map_from_base;
-    particles_[i].map_from_base =
-        draw(map_from_base, Random(parameters_.seed, update_count_, 2 * particles_.size() + i));
+    particles_[i].map_from_base = samplePose(
+        map_from_base, Random(parameters_.seed, update_count_, 2 * particles_.size() + i));
   }
   best_ = 0;
   estimate_ = map_from_base;
   drift_.reset(map_from_base);
-  since_learning_ = {};
+  since_update_ = {};
 }
 
 void FastSlam::setPose(const PoseWithCovariance2& map_from_base, std::int64_t stamp_ns) {
@@ -165,36 +142,38 @@ void FastSlam::update(const FeatureList& list, const MotionModel& model, const F
 void FastSlam::update(const FeatureList& list, const MotionStep& step, const FieldOfView* view) {
   check(list);
   const std::vector<DescriptorPointer> descriptors = describe(list);
-  const Step moved = prepare(step);
+  PoseWithCovariance2 since_list;
+  if (started() && step.to_ns != stamp_ns_) since_list = step.motion;
+  const PoseWithCovariance2 since_update = since_update_ * since_list;
+  if (!since_update.pose.isFinite() || !since_update.covariance.allFinite())
+    throw std::invalid_argument("the motion model gives a motion that is not finite");
+  const std::vector<PoseWithCovariance2> predicted =
+      proposal_->predict(particles_, {stamp_ns_, step.to_ns, since_list, step.model}, since_update,
+                         Random(parameters_.seed, update_count_ + 1)());
   // From here on nothing fails.
-  const bool learns = isDue(list, moved);
+  const bool is_update_due =
+      updated_ns_ == 0 ||
+      proposal_->isUpdateDue(list, since_update.pose, list.stamp_ns == updated_ns_);
   stamp_ns_ = list.stamp_ns;
   ++update_count_;
-  since_learning_ = moved.motion;
-  PoseWithCovariance2 drifted = moved.since_list;
+  since_update_ = since_update;
+  PoseWithCovariance2 drifted = since_list;
   drifted.covariance *= parameters_.drift_inflation;
   drift_.move(estimate_.pose, drifted);
-  move(moved);
-  const std::vector<Observation> observations = observe(list, descriptors);
+  for (std::size_t i = 0; i < particles_.size(); ++i) particles_[i].proposal = predicted[i];
+  const std::vector<Observation> observations =
+      AssociationCandidates(parameters_, matchers_, registry_, particles_, best_)
+          .observe(list, descriptors);
   const std::vector<Evidence> evidence = weigh(observations);
-  if (parameters_.mode == FastSlamMode::kFastSlam2)
-    coverErrors(moved.since_list.pose.translation().norm());
-  if (learns) {
-    learned_ns_ = stamp_ns_;
-    since_learning_ = {};
-    drawPoses(evidence);
-    updateMaps(list, descriptors, observations, evidence);
-    collectEvidence(view);
-    resample();
-  }
-}
-
-bool FastSlam::isDue(const FeatureList& list, const Step& step) const {
-  if (parameters_.mode == FastSlamMode::kFastSlam1 || learned_ns_ == 0) return true;
-  const Pose2& moved = step.motion.pose;
-  return !list.features.empty() && (list.stamp_ns == learned_ns_ ||
-                                    moved.translation().norm() >= parameters_.update_distance ||
-                                    std::abs(moved.yaw_rad) >= parameters_.update_angle);
+  if (proposal_->coversSharedErrors()) coverErrors(since_list.pose.translation().norm());
+  if (!is_update_due) return;
+  updated_ns_ = stamp_ns_;
+  since_update_ = {};
+  samplePoses(evidence);
+  updateMaps(list, descriptors, observations, evidence);
+  const LandmarkExistence existence(parameters_, particles_, weightsOf(particles_));
+  for (const LandmarkId id : existence.update(registry_, view, estimate_.pose)) remove(id);
+  resample();
 }
 
 std::vector<DescriptorPointer> FastSlam::describe(const FeatureList& list) const {
@@ -205,101 +184,22 @@ std::vector<DescriptorPointer> FastSlam::describe(const FeatureList& list) const
   return descriptors;
 }
 
-FastSlam::Step FastSlam::prepare(const MotionStep& step) const {
-  Step result;
-  result.motion = since_learning_;
-  if (!started() || step.to_ns == stamp_ns_) return result;
-  if (parameters_.mode == FastSlamMode::kFastSlam2) {
-    result.since_list = step.motion;
-    result.motion = since_learning_ * result.since_list;
-    if (!result.motion.pose.isFinite() || !result.motion.covariance.allFinite()) {
-      throw std::invalid_argument("the motion model gives a motion that is not finite");
-    }
-  } else {
-    std::vector<Pose2> poses;
-    for (const Particle& particle : particles_) poses.push_back(particle.map_from_base);
-    result.map_from_base = step.model->sample(poses, stamp_ns_, step.to_ns,
-                                              Random(parameters_.seed, update_count_ + 1)());
-    const bool finite = std::all_of(result.map_from_base.begin(), result.map_from_base.end(),
-                                    [](const Pose2& pose) { return pose.isFinite(); });
-    if (result.map_from_base.size() != particles_.size() || !finite) {
-      throw std::invalid_argument(
-          "the motion model gives too few poses or some that are not finite");
-    }
-  }
-  return result;
-}
-
-void FastSlam::move(const Step& step) {
-  for (std::size_t i = 0; i < particles_.size(); ++i) {
-    Particle& particle = particles_[i];
-    if (step.map_from_base.empty()) {
-      particle.proposal =
-          PoseWithCovariance2{particle.map_from_base, Eigen::Matrix3d::Zero()} * step.motion;
-    } else {
-      particle.proposal = {step.map_from_base[i], Eigen::Matrix3d::Zero()};
-    }
-  }
-}
-
-std::vector<Observation> FastSlam::observe(
-    const FeatureList& list, const std::vector<DescriptorPointer>& descriptors) const {
-  const double gate = std::sqrt(parameters_.creation_gate);
-  const Eigen::Matrix2d floor_m2 = parameters_.feature_noise_floor *
-                                   parameters_.feature_noise_floor * Eigen::Matrix2d::Identity();
-  std::vector<Observation> observations(list.features.size());
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    const Feature& feature = list.features[i];
-    observations[i].type = feature.type;
-    observations[i].measured = {feature.position_m, feature.covariance_m2 + floor_m2};
-    Eigen::AlignedBox2d places_m;
-    double pose_variance_m2 = 0.0;
-    for (const Particle& particle : particles_) {
-      places_m.extend(particle.proposal.pose * feature.position_m);
-      const Eigen::Matrix3d& c = particle.proposal.covariance;
-      // Bounds the trace of H_x P H_x^T: the variance of position plus that of the lever arm,
-      // doubled for their correlation.
-      pose_variance_m2 = std::max(
-          pose_variance_m2, 2.0 * (c(0, 0) + c(1, 1) + c(2, 2) * feature.position_m.squaredNorm()));
-    }
-    const double noise_m = std::sqrt(observations[i].measured.covariance_m2.trace());
-    const double reach_m =
-        std::max({gate * (noise_m + std::sqrt(pose_variance_m2)),
-                  parameters_.minimum_feature_separation, parameters_.feature_match_distance});
-    places_m.min().array() -= reach_m;
-    places_m.max().array() += reach_m;
-    for (const LandmarkRecord& record : registry_.records()) {
-      if (!places_m.intersects(record.bounds_m) || record.type != feature.type) continue;
-      const double by_appearance = logLikelihoodRatio(findMatcher(matchers_, feature.type),
-                                                      descriptors[i], record.descriptors);
-      const PoseWithCovariance2& pose = particles_[best_].proposal;
-      observations[i].candidates.push_back(
-          {record.id, record.existence_log_odds >= parameters_.confirm_log_odds,
-           by_appearance + orientationEvidence(record, feature, pose)});
-    }
-  }
-  return observations;
-}
-
 std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observations) {
-  const bool version2 = parameters_.mode == FastSlamMode::kFastSlam2;
   std::vector<Evidence> evidence;
   evidence.reserve(particles_.size());
   std::vector<double> log_weights;
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     Particle& particle = particles_[i];
     evidence.push_back(
-        version2 ? associate(observations, particle.landmarks, particle.proposal, parameters_,
-                             Random(parameters_.seed, update_count_, 3 * particles_.size() + i))
-                 : associateByDistance(observations, particle.landmarks, particle.proposal.pose,
-                                       parameters_));
+        proposal_->associate(observations, particle,
+                             Random(parameters_.seed, update_count_, 3 * particles_.size() + i)));
     particle.proposal = evidence.back().map_from_base;
     particle.path.append({stamp_ns_, particle.proposal.pose});
     log_weights.push_back(particle.log_weight +
                           parameters_.evidence_exponent * evidence.back().log_likelihood_ratio);
   }
   const std::vector<double> weights = normalisedWeights(log_weights);
-  updateEstimate(weights);
+  estimate_ = estimatePose(particles_, weights);
   quality_.effective_fraction = effectiveCount(weights) / static_cast<double>(weights.size());
   rate(evidence[largest(weights)]);
   return evidence;
@@ -321,47 +221,20 @@ void FastSlam::coverErrors(double moved_m) {
       drift_.at(estimate_.pose) + shared_error_.covariance(parameters_.pose_noise_floor);
 }
 
-void FastSlam::drawPoses(const std::vector<Evidence>& evidence) {
+void FastSlam::samplePoses(const std::vector<Evidence>& evidence) {
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     Particle& particle = particles_[i];
     particle.log_weight += parameters_.evidence_exponent * evidence[i].log_likelihood_ratio;
-    particle.map_from_base = draw(particle.proposal, Random(parameters_.seed, update_count_, i));
+    particle.map_from_base =
+        samplePose(particle.proposal, Random(parameters_.seed, update_count_, i));
     particle.path.append({stamp_ns_, particle.map_from_base});
   }
-  const std::vector<double> weights = this->weights();
+  const std::vector<double> weights = weightsOf(particles_);
   best_ = largest(weights);
   // Relative to the best, so that they stay in range.
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     particles_[i].log_weight = std::log(weights[i] / weights[best_]);
   }
-}
-
-std::vector<double> FastSlam::weights() const {
-  std::vector<double> log_weights;
-  log_weights.reserve(particles_.size());
-  for (const Particle& particle : particles_) log_weights.push_back(particle.log_weight);
-  return normalisedWeights(log_weights);
-}
-
-void FastSlam::updateEstimate(const std::vector<double>& weights) {
-  const Pose2& reference = particles_[largest(weights)].proposal.pose;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < particles_.size(); ++i) {
-    mean += weights[i] * difference(particles_[i].proposal.pose, reference);
-  }
-  estimate_.pose = {reference.x_m + mean.x(), reference.y_m + mean.y(),
-                    wrapAngle(reference.yaw_rad + mean.z())};
-  Eigen::Matrix3d within = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d between = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < particles_.size(); ++i) {
-    const Eigen::Vector3d deviation = difference(particles_[i].proposal.pose, estimate_.pose);
-    within += weights[i] * particles_[i].proposal.covariance;
-    between += weights[i] * deviation * deviation.transpose();
-  }
-  // A sample's own mean is nearer to it than the true mean is: the weighted form of n / (n - 1).
-  const double effective = effectiveCount(weights);
-  if (effective > 1.0 + 1e-9) between *= effective / (effective - 1.0);
-  estimate_.covariance = within + between;
 }
 
 void FastSlam::rate(const Evidence& evidence) {
@@ -374,16 +247,37 @@ void FastSlam::rate(const Evidence& evidence) {
   }
   if (evidence.associations.empty()) return;
   const double matched = quality_.matched_count / static_cast<double>(evidence.associations.size());
-  quality_.matched_fraction += (1.0 - kMemory) * (matched - quality_.matched_fraction);
+  quality_.matched_fraction +=
+      (1.0 - parameters_.quality_memory) * (matched - quality_.matched_fraction);
   if (evidence.correction_count == 0) return;
   const double innovation = evidence.squared_mahalanobis / (2.0 * evidence.correction_count);
-  quality_.normalised_innovation += (1.0 - kMemory) * (innovation - quality_.normalised_innovation);
+  quality_.normalised_innovation +=
+      (1.0 - parameters_.quality_memory) * (innovation - quality_.normalised_innovation);
 }
 
 LandmarkMap FastSlam::landmarks() const {
-  LandmarkMap map = summarise(registry_, particles_[best_], particles_, weights());
+  LandmarkMap map =
+      summarise(registry_, best(), particles_, weightsOf(particles_), parameters_.summary);
   map.stamp_ns = stamp_ns_;
   return map;
+}
+
+void FastSlam::remove(LandmarkId id) {
+  registry_.remove(id);
+  for (Particle& particle : particles_) particle.landmarks.erase(id);
+}
+
+void FastSlam::forgetAbandoned() {
+  std::vector<LandmarkId> abandoned;
+  for (const LandmarkRecord& record : registry_.records()) {
+    const bool held =
+        particles_[best_].landmarks.find(record.id) != nullptr ||
+        std::any_of(particles_.begin(), particles_.end(), [&record](const Particle& particle) {
+          return particle.landmarks.find(record.id) != nullptr;
+        });
+    if (!held) abandoned.push_back(record.id);
+  }
+  for (const LandmarkId id : abandoned) registry_.remove(id);
 }
 
 void FastSlam::unshare() {

@@ -9,11 +9,7 @@
 namespace ram_slam {
 namespace {
 
-constexpr std::size_t kMostViews = 6;
-constexpr double kNewViewBelow = 1.0;  // [nat] less alike than this to every view: another view
-constexpr int kSectors = 16;
-constexpr double kUnknownVariance_rad2 = 1.0;   // an orientation less certain than this is none
-constexpr double kOrientationSigma_rad = 0.05;  // of the pose it was seen from
+constexpr int kSectors = 16;  // bits of LandmarkRecord::seen_from that are used: 22.5 deg each
 
 bool before(const LandmarkRecord& record, LandmarkId id) {
   return record.id < id;
@@ -71,19 +67,26 @@ void LandmarkRegistry::restore(LandmarkRecord record) {
 void addSighting(LandmarkRecord& record,
                  const Eigen::Vector2d& robot_from_landmark_m,
                  const FeatureMatcher* matcher,
-                 const DescriptorPointer& descriptor) {
+                 const DescriptorPointer& descriptor,
+                 const AppearanceParameters& parameters) {
   record.seen_from |= sectorBit(robot_from_landmark_m);
   record.seen_within_m = std::max(record.seen_within_m, robot_from_landmark_m.norm());
-  if (descriptor == nullptr || record.descriptors.size() >= kMostViews) return;
-  if (record.descriptors.empty() ||
-      logLikelihoodRatio(matcher, descriptor, record.descriptors) < kNewViewBelow) {
+  if (descriptor == nullptr ||
+      record.descriptors.size() >= static_cast<std::size_t>(parameters.maximum_descriptors))
+    return;
+  if (record.descriptors.empty() || logLikelihoodRatio(matcher, descriptor, record.descriptors) <
+                                        parameters.new_descriptor_below) {
     record.descriptors.push_back(descriptor);
   }
 }
 
-void addOrientation(LandmarkRecord& record, double orientation_rad, double variance_rad2) {
-  if (!(variance_rad2 < kUnknownVariance_rad2)) return;
-  const double noise_rad2 = variance_rad2 + kOrientationSigma_rad * kOrientationSigma_rad;
+void addOrientation(LandmarkRecord& record,
+                    double orientation_rad,
+                    double variance_rad2,
+                    const AppearanceParameters& parameters) {
+  if (!(variance_rad2 < kUnobservedOrientation_rad2)) return;
+  const double noise_rad2 =
+      variance_rad2 + parameters.sighting_sigma_rad * parameters.sighting_sigma_rad;
   const double gain =
       record.orientation_variance_rad2 / (record.orientation_variance_rad2 + noise_rad2);
   record.orientation_rad = wrapAngle(record.orientation_rad +

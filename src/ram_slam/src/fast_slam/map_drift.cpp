@@ -4,8 +4,6 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kYawArm_m = 2.0;  // weighs yaw against position where covariances are compared
-
 /// d pose / d motion about the origin.
 Eigen::Matrix3d byMotion(const Pose2& pose) {
   Eigen::Matrix3d jacobian = Eigen::Matrix3d::Identity();
@@ -21,11 +19,11 @@ Eigen::Matrix3d aboutOrigin(const PoseWithCovariance2& pose) {
   return inverse * pose.covariance * inverse.transpose();
 }
 
-double sizeOf(const Eigen::Matrix3d& covariance) {
-  return covariance(0, 0) + covariance(1, 1) + kYawArm_m * kYawArm_m * covariance(2, 2);
-}
-
 }  // namespace
+
+double MapDrift::sizeOf(const Eigen::Matrix3d& covariance) const {
+  return covariance(0, 0) + covariance(1, 1) + yaw_arm_m_ * yaw_arm_m_ * covariance(2, 2);
+}
 
 void MapDrift::reset(const PoseWithCovariance2& map_from_base) {
   covariance_ = aboutOrigin(map_from_base);
@@ -46,7 +44,7 @@ Eigen::Matrix3d MapDrift::bridged(const Eigen::Matrix3d& drift,
                                   const MapDrift& open,
                                   const Eigen::Vector2d& place_m) const {
   const Eigen::Matrix3d by_motion = byMotion({place_m.x(), place_m.y(), 0.0});
-  const auto sizeHere = [&by_motion](const Eigen::Matrix3d& covariance) {
+  const auto sizeHere = [this, &by_motion](const Eigen::Matrix3d& covariance) {
     return sizeOf(by_motion * covariance * by_motion.transpose());
   };
   const double closed = sizeHere(covariance_);

@@ -8,9 +8,6 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kFarthestPair_m = 5.0;
-constexpr double kLeastCorrelation = 0.1;
-
 /// A landmark's deviation from its mean in every particle, times the square root of the weight;
 /// zero where a particle does not hold it.
 using Deviations = Eigen::Matrix<double, 2, Eigen::Dynamic>;
@@ -55,7 +52,8 @@ Summary summarise(const LandmarkRecord& record,
 }
 
 /// For each landmark those after it that are near enough to be correlated.
-std::vector<std::vector<std::size_t>> neighboursAfter(const std::vector<Summary>& summaries) {
+std::vector<std::vector<std::size_t>> neighboursAfter(const std::vector<Summary>& summaries,
+                                                      double distance_m) {
   std::vector<std::size_t> by_x(summaries.size());
   std::iota(by_x.begin(), by_x.end(), 0U);
   std::sort(by_x.begin(), by_x.end(), [&summaries](std::size_t a, std::size_t b) {
@@ -66,8 +64,8 @@ std::vector<std::vector<std::size_t>> neighboursAfter(const std::vector<Summary>
     const Eigen::Vector2d& here_m = summaries[by_x[a]].estimate.mean_m;
     for (std::size_t b = a + 1; b < by_x.size(); ++b) {
       const Eigen::Vector2d& there_m = summaries[by_x[b]].estimate.mean_m;
-      if (there_m.x() - here_m.x() > kFarthestPair_m) break;
-      if ((there_m - here_m).norm() > kFarthestPair_m) continue;
+      if (there_m.x() - here_m.x() > distance_m) break;
+      if ((there_m - here_m).norm() > distance_m) continue;
       neighbours[std::min(by_x[a], by_x[b])].push_back(std::max(by_x[a], by_x[b]));
     }
   }
@@ -77,11 +75,12 @@ std::vector<std::vector<std::size_t>> neighboursAfter(const std::vector<Summary>
 
 bool correlated(const Eigen::Matrix2d& cross,
                 const LandmarkEstimate& a,
-                const LandmarkEstimate& b) {
+                const LandmarkEstimate& b,
+                double least_correlation) {
   for (int row = 0; row < 2; ++row) {
     for (int column = 0; column < 2; ++column) {
       const double scale = std::sqrt(a.covariance_m2(row, row) * b.covariance_m2(column, column));
-      if (std::abs(cross(row, column)) > kLeastCorrelation * scale) return true;
+      if (std::abs(cross(row, column)) > least_correlation * scale) return true;
     }
   }
   return false;
@@ -92,7 +91,8 @@ bool correlated(const Eigen::Matrix2d& cross,
 LandmarkMap summarise(const LandmarkRegistry& registry,
                       const Particle& chosen,
                       const std::vector<Particle>& particles,
-                      const std::vector<double>& weights) {
+                      const std::vector<double>& weights,
+                      const MapSummaryParameters& parameters) {
   std::vector<Summary> summaries;
   for (const LandmarkRecord& record : registry.records()) {
     const bool is_doubted = record.was_confirmed && record.existence_log_odds <= 0.0;
@@ -100,13 +100,15 @@ LandmarkMap summarise(const LandmarkRegistry& registry,
     summaries.push_back(summarise(record, particles, weights));
   }
   LandmarkMap map;
-  const std::vector<std::vector<std::size_t>> later = neighboursAfter(summaries);
+  const std::vector<std::vector<std::size_t>> later =
+      neighboursAfter(summaries, parameters.pair_distance_m);
   for (std::size_t i = 0; i < summaries.size(); ++i) {
     const LandmarkEstimate& first = summaries[i].estimate;
     for (const std::size_t j : later[i]) {
       const LandmarkEstimate& second = summaries[j].estimate;
       const Eigen::Matrix2d cross = summaries[i].deviations * summaries[j].deviations.transpose();
-      if (correlated(cross, first, second)) map.covariances.push_back({first.id, second.id, cross});
+      if (correlated(cross, first, second, parameters.least_correlation))
+        map.covariances.push_back({first.id, second.id, cross});
     }
     map.landmarks.push_back(first);
   }

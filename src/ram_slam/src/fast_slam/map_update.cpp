@@ -3,6 +3,7 @@
 #include <map>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/fast_slam/pose_estimate.hpp"
 #include "ram_slam/fast_slam/resampling.hpp"
 
 namespace ram_slam {
@@ -11,7 +12,7 @@ void FastSlam::updateMaps(const FeatureList& list,
                           const std::vector<DescriptorPointer>& descriptors,
                           const std::vector<Observation>& observations,
                           const std::vector<Evidence>& evidence) {
-  const std::vector<double> weights = this->weights();
+  const std::vector<double> weights = weightsOf(particles_);
   std::vector<std::optional<LandmarkId>> fresh_ids(observations.size());
   std::map<LandmarkId, double> matched_weights;  // of the landmarks that some particle changed
   for (std::size_t k = 0; k < particles_.size(); ++k) {
@@ -72,9 +73,10 @@ void FastSlam::rememberSightings(const FeatureList& list,
     LandmarkRecord& record = *registry_.find(associations[i].id);
     const Eigen::Vector2d robot_from_landmark_m =
         best.map_from_base.translation() - best.landmarks.find(record.id)->mean_m;
-    addSighting(record, robot_from_landmark_m, findMatcher(matchers_, record.type), descriptors[i]);
+    addSighting(record, robot_from_landmark_m, findMatcher(matchers_, record.type), descriptors[i],
+                parameters_.appearance);
     addOrientation(record, best.map_from_base.yaw_rad + list.features[i].orientation_rad,
-                   list.features[i].orientation_variance_rad2);
+                   list.features[i].orientation_variance_rad2, parameters_.appearance);
   }
 }
 
@@ -91,11 +93,8 @@ void FastSlam::refreshBounds(LandmarkRecord& record) const {
 }
 
 void FastSlam::resample() {
-  const std::vector<double> weights = this->weights();
-  const bool always = parameters_.mode == FastSlamMode::kFastSlam1;
-  const double effective = effectiveCount(weights);
-  if (!always && effective >= parameters_.resample_threshold * static_cast<double>(weights.size()))
-    return;
+  const std::vector<double> weights = weightsOf(particles_);
+  if (!proposal_->isResamplingDue(effectiveCount(weights), weights.size())) return;
   Random random(parameters_.seed, update_count_, particles_.size());
   const std::vector<std::size_t> kept = resampleLowVariance(weights, random);
   std::vector<Particle> particles;

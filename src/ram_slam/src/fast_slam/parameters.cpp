@@ -2,114 +2,228 @@
 #include "ram_slam/fast_slam/parameters.hpp"
 
 #include <limits>
-#include <stdexcept>
-#include <string>
-
-#include "ram_parameters/require.hpp"
 
 namespace ram_slam {
+
+using ram_parameters::above;
+using ram_parameters::aboveUpTo;
+using ram_parameters::anyNumber;
+using ram_parameters::atLeast;
+using ram_parameters::below;
+using ram_parameters::between;
+using ram_parameters::ParameterTable;
+using ram_parameters::positive;
+using ram_parameters::within;
+
+const ParameterTable<AppearanceParameters>& AppearanceParameters::table() {
+  using P = AppearanceParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("maximum_descriptors", &P::maximum_descriptors, "", within(0, 100),
+               "Descriptors that are kept of a landmark.")
+          .add("new_descriptor_below", &P::new_descriptor_below, "nat", anyNumber(),
+               "A descriptor less alike than this to every one kept is kept, too.")
+          .add("sighting_sigma_rad", &P::sighting_sigma_rad, "rad", atLeast(0.0),
+               "Standard deviation of the robot's yaw when it sees a landmark's orientation.")
+          .add("orientation_sigma_rad", &P::orientation_sigma_rad, "rad", atLeast(0.0),
+               "Standard deviation of orientations beyond what detectors state.")
+          .add("wrong_orientation_share", &P::wrong_orientation_share, "", between(0.0, 1.0),
+               "Share of orientations that are plainly wrong.");
+  return table;
+}
+
+const ParameterTable<ExistenceParameters>& ExistenceParameters::table() {
+  using P = ExistenceParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("passed_log_odds", &P::passed_log_odds, "log-odds", below(0.0),
+               "Evidence of a view that shows empty space where a landmark should be.")
+          .add("overlooked_log_odds", &P::overlooked_log_odds, "log-odds", anyNumber(),
+               "Landmarks that were confirmed once do not fall below this because a detector did "
+               "not find them.")
+          .add("sampled_particles", &P::sampled_particles, "", within(1, 1000),
+               "Particles in whose maps is checked whether landmarks are missing.")
+          .add("edge_margin_m", &P::edge_margin_m, "m", atLeast(0.0),
+               "On both sides of a landmark the space must be empty so far to count as empty.");
+  return table;
+}
+
+const ParameterTable<SharedErrorParameters>& SharedErrorParameters::table() {
+  using P = SharedErrorParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("feature_distance_m", &P::feature_distance_m, "m", positive(),
+               "Typical distance of features: turns their errors into errors of yaw.")
+          .add("known_floors", &P::known_floors, "", atLeast(0.0),
+               "Standard deviation on known ground, in units of pose_noise_floor.")
+          .add("new_floors", &P::new_floors, "", atLeast(0.0),
+               "The same after new_ground_m of new ground.")
+          .add("new_ground_m", &P::new_ground_m, "m", positive(),
+               "Length of new ground over which the variance grows linearly.")
+          .add("known_within_m", &P::known_within_m, "m", positive(),
+               "Ground nearer than this to a corrected trajectory is known.")
+          .add("known_spacing_m", &P::known_spacing_m, "m", positive(),
+               "Spacing of the places that are kept of a corrected trajectory.");
+  return table;
+}
+
+const ParameterTable<MapSummaryParameters>& MapSummaryParameters::table() {
+  using P = MapSummaryParameters;
+  static const auto table = ParameterTable<P>()
+                                .add("pair_distance_m", &P::pair_distance_m, "m", atLeast(0.0),
+                                     "Covariances are stated between landmarks up to so far apart.")
+                                .add("least_correlation", &P::least_correlation, "",
+                                     within(0.0, 1.0), "And whose correlation exceeds this.");
+  return table;
+}
+
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using P = FastSlamParameters;
 
-using ram_parameters::require;
-using ram_parameters::requirePositive;
-
-void requireWithin(const char* name, double value, double lowest, double highest) {
-  std::string bound = ">= " + std::to_string(lowest);
-  if (highest < kInfinity)
-    bound = "in [" + std::to_string(lowest) + ", " + std::to_string(highest) + "]";
-  require(lowest <= value && value <= highest, name, value, bound);
+void addFilter(ParameterTable<P>& table) {
+  table
+      .add("particle_amount", &P::particle_amount, "", within(1, 100000),
+           "Number of particles; at least 50 are advised.")
+      .add(
+          "feature_match_distance", &P::feature_match_distance, "m", positive(),
+          "Only in mode fast_slam_1: a feature nearer than this to a landmark is that landmark; at "
+          "least 0.1 is advised.")
+      .add("minimum_feature_separation", &P::minimum_feature_separation, "m", atLeast(0.0),
+           "Nearer to a landmark than this no other one is created, unless both are seen at once; "
+           "at least 0.3 is advised. (The spelling minimum_feature_seperation is accepted, too.)")
+      .rule(&P::minimum_feature_separation, ">= feature_match_distance in mode fast_slam_1",
+            [](const P& p) {
+              return p.mode != FastSlamMode::kFastSlam1 ||
+                     p.minimum_feature_separation >= p.feature_match_distance;
+            })
+      .alias("minimum_feature_seperation")
+      .add("future_interpol", &P::future_interpol, "s", within(0.0, 10.0),
+           "How long the published pose is valid: tf map -> odom is dated ahead by this.")
+      .addChoice(
+          "mode", &P::mode,
+          {{"fast_slam_1", FastSlamMode::kFastSlam1}, {"fast_slam_2", FastSlamMode::kFastSlam2}},
+          "fast_slam_2 (advised): particles are sampled with the features in view, "
+          "association by covariance and classifier. fast_slam_1: particles are sampled from "
+          "the motion model, association by the two distances above.")
+      .add("seed", &P::seed, "", within(0, std::numeric_limits<int>::max()),
+           "Of the random numbers. The same seed and input give the same output.")
+      .add("update_distance", &P::update_distance, "m", atLeast(0.0),
+           "The map is updated and particles are sampled once per this distance driven; in between "
+           "features only correct the pose. Every sampling costs diversity, so more is not better. "
+           "(fast_slam_2)")
+      .add("update_angle", &P::update_angle, "rad", atLeast(0.0), "Or once per this angle turned.");
 }
 
-FastSlamMode toMode(const std::string& name) {
-  if (name == "fast_slam_1") return FastSlamMode::kFastSlam1;
-  if (name == "fast_slam_2") return FastSlamMode::kFastSlam2;
-  throw std::invalid_argument("mode must be fast_slam_1 or fast_slam_2, got '" + name + "'");
+void addAssociation(ParameterTable<P>& table) {
+  table.heading("Association (fast_slam_2)")
+      .add("association_gate", &P::association_gate, "", positive(),
+           "Largest squared Mahalanobis distance of a match; 9.21 holds 99 % of the right ones.")
+      .add("creation_gate", &P::creation_gate, "", anyNumber(),
+           "A feature with a smaller squared Mahalanobis distance to a landmark is not new.")
+      .rule(&P::creation_gate, ">= association_gate",
+            [](const P& p) { return p.creation_gate >= p.association_gate; })
+      .add("duplicate_gate", &P::duplicate_gate, "", atLeast(0.0),
+           "Two features of one reading with a smaller squared Mahalanobis distance to each other "
+           "may be one thing found twice; 0 if the detector never does that.")
+      .add(
+          "ambiguity_margin", &P::ambiguity_margin, "nat", atLeast(0.0),
+          "A match that is not more likely than its alternatives by this is sampled: each particle "
+          "takes one of the alternatives, as often as they are likely.")
+      .add("draw_jointly", &P::draw_jointly,
+           "Whether uncertain pairings are sampled for all features of a reading together, each "
+           "particle weighing as much as all its alternatives, as importance sampling asks for; "
+           "otherwise one feature after the other, weighing as what was sampled. For sensors that "
+           "confuse neighbouring landmarks in many readings (cameras that measure range); with a "
+           "lidar's features it makes the covariance of the pose a little too small.")
+      .add("unknown_feature_density", &P::unknown_feature_density, "1/m^2", positive(),
+           "Features that belong to no landmark, per area: the alternative to every match.")
+      .add("feature_noise_floor", &P::feature_noise_floor, "m", atLeast(0.0),
+           "Noise per axis added to what the detector states for each feature. More than a "
+           "detector's scatter, since its errors hardly change from scan to scan.")
+      .add(
+          "evidence_exponent", &P::evidence_exponent, "", aboveUpTo(0.0, 1.0),
+          "Exponent of the particles' weights. Below 1 where the errors of successive readings are "
+          "alike: repeated evidence counts for less.")
+      .add("resample_threshold", &P::resample_threshold, "", within(0.0, 1.0),
+           "Particles are resampled when the effective ones are fewer than this fraction.");
 }
 
-void readSeparation(ram_parameters::ParameterReader& reader, double& separation_m) {
-  constexpr const char* kKey = "minimum_feature_separation";
-  constexpr const char* kOldKey = "minimum_feature_seperation";
-  double other_m = separation_m;
-  reader.read(kKey, separation_m);
-  reader.read(kOldKey, other_m);
-  if (!reader.has(kOldKey)) return;
-  if (reader.has(kKey) && other_m != separation_m) {
-    throw std::invalid_argument(std::string(kKey) + " = " + std::to_string(separation_m) + " and " +
-                                kOldKey + " = " + std::to_string(other_m) +
-                                " contradict each other: keep the first");
-  }
-  separation_m = other_m;
+void addCovariance(ParameterTable<P>& table) {
+  table.heading("Covariance of the pose (fast_slam_2)")
+      .add("drift_inflation", &P::drift_inflation, "", atLeast(1.0),
+           "Variance of the drift since the start over that of the motion model: more than 1 where "
+           "successive errors of odometry are alike and add up to more than white noise does. "
+           "Changes what is published, not the estimate.")
+      .add(
+          "pose_noise_floor", &P::pose_noise_floor, "m", atLeast(0.0),
+          "Standard deviation per axis that the common errors of features leave in the published "
+          "pose, and in its yaw at a distance of 5 m: half of it at the start and where a smoother "
+          "was followed, growing to twice it over 50 m of new ground. Changes what is published, "
+          "not the estimate.");
+}
+
+void addExistence(ParameterTable<P>& table) {
+  table.heading("Existence of landmarks")
+      .add("detection_probability", &P::detection_probability, "", between(0.0, 1.0),
+           "Probability that a landmark in view is found in a reading.")
+      .add("false_detection_probability", &P::false_detection_probability, "", positive(),
+           "Probability that something is found where no landmark is.")
+      .rule(&P::false_detection_probability, "in (0, detection_probability)",
+            [](const P& p) { return p.false_detection_probability < p.detection_probability; })
+      .add("confirm_log_odds", &P::confirm_log_odds, "log-odds", anyNumber(),
+           "Landmarks more likely than this correct the pose.")
+      .rule(&P::confirm_log_odds, "> delete_log_odds",
+            [](const P& p) { return p.delete_log_odds < p.confirm_log_odds; })
+      .add("delete_log_odds", &P::delete_log_odds, "log-odds", below(0.0),
+           "Landmarks less likely than this are removed.")
+      .add("maximum_log_odds", &P::maximum_log_odds, "log-odds", anyNumber(),
+           "No landmark gets more certain than this.")
+      .rule(&P::maximum_log_odds, ">= confirm_log_odds",
+            [](const P& p) { return p.maximum_log_odds >= p.confirm_log_odds; });
+}
+
+void addTuning(ParameterTable<P>& table) {
+  table.expert("Tuning of the filter")
+      .add("association_passes", &P::association_passes, "", within(1, 10),
+           "How often features are associated, each time from the pose corrected before.")
+      .add("maximum_hypotheses", &P::maximum_hypotheses, "", within(1, 100000),
+           "About so many ways to pair the uncertain features are compared at once (draw_jointly).")
+      .add("quality_memory", &P::quality_memory, "", within(0.0, 1.0),
+           "Weight of the past in the running means of quality, per list.")
+      .add("drift_yaw_arm_m", &P::drift_yaw_arm_m, "m", atLeast(0.0),
+           "Distance at which yaw counts as much as position where drifts are compared.")
+      .section("appearance", &P::appearance, AppearanceParameters::table())
+      .section("existence", &P::existence, ExistenceParameters::table())
+      .section("shared_error", &P::shared_error, SharedErrorParameters::table())
+      .section("summary", &P::summary, MapSummaryParameters::table());
 }
 
 }  // namespace
 
+const ParameterTable<FastSlamParameters>& FastSlamParameters::table() {
+  static const ParameterTable<P> table = [] {
+    ParameterTable<P> rows;
+    addFilter(rows);
+    addAssociation(rows);
+    addCovariance(rows);
+    addExistence(rows);
+    addTuning(rows);
+    return rows;
+  }();
+  return table;
+}
+
 void FastSlamParameters::validate() const {
-  requireWithin("particle_amount", particle_amount, 1, 100000);
-  requirePositive("feature_match_distance", feature_match_distance);
-  requireWithin("minimum_feature_separation", minimum_feature_separation, 0.0, kInfinity);
-  if (mode == FastSlamMode::kFastSlam1) {
-    requireWithin("minimum_feature_separation", minimum_feature_separation, feature_match_distance,
-                  kInfinity);
-  }
-  requireWithin("future_interpol", future_interpol, 0.0, 10.0);
-  requireWithin("seed", seed, 0, std::numeric_limits<int>::max());
-  requirePositive("association_gate", association_gate);
-  requireWithin("creation_gate", creation_gate, association_gate, kInfinity);
-  requireWithin("duplicate_gate", duplicate_gate, 0.0, kInfinity);
-  requireWithin("ambiguity_margin", ambiguity_margin, 0.0, kInfinity);
-  requirePositive("unknown_feature_density", unknown_feature_density);
-  requireWithin("feature_noise_floor", feature_noise_floor, 0.0, kInfinity);
-  requireWithin("drift_inflation", drift_inflation, 1.0, kInfinity);
-  requireWithin("pose_noise_floor", pose_noise_floor, 0.0, kInfinity);
-  require(0.0 < evidence_exponent && evidence_exponent <= 1.0, "evidence_exponent",
-          evidence_exponent, "in (0, 1]");
-  requireWithin("resample_threshold", resample_threshold, 0.0, 1.0);
-  require(0.0 < detection_probability && detection_probability < 1.0, "detection_probability",
-          detection_probability, "in (0, 1)");
-  require(0.0 < false_detection_probability && false_detection_probability < detection_probability,
-          "false_detection_probability", false_detection_probability,
-          "in (0, detection_probability)");
-  requireWithin("maximum_log_odds", maximum_log_odds, confirm_log_odds, kInfinity);
-  require(delete_log_odds < 0.0, "delete_log_odds", delete_log_odds, "< 0");
-  require(delete_log_odds < confirm_log_odds, "confirm_log_odds", confirm_log_odds,
-          "> delete_log_odds");
-  requireWithin("update_distance", update_distance, 0.0, kInfinity);
-  requireWithin("update_angle", update_angle, 0.0, kInfinity);
+  table().check(*this);
 }
 
 FastSlamParameters readFastSlamParameters(ram_parameters::ParameterReader& reader) {
   FastSlamParameters parameters;
-  std::string mode = "fast_slam_2";
-  reader.read("particle_amount", parameters.particle_amount);
-  reader.read("feature_match_distance", parameters.feature_match_distance);
-  readSeparation(reader, parameters.minimum_feature_separation);
-  reader.read("future_interpol", parameters.future_interpol);
-  reader.read("mode", mode);
-  reader.read("seed", parameters.seed);
-  reader.read("association_gate", parameters.association_gate);
-  reader.read("creation_gate", parameters.creation_gate);
-  reader.read("duplicate_gate", parameters.duplicate_gate);
-  reader.read("ambiguity_margin", parameters.ambiguity_margin);
-  reader.read("draw_jointly", parameters.draw_jointly);
-  reader.read("unknown_feature_density", parameters.unknown_feature_density);
-  reader.read("feature_noise_floor", parameters.feature_noise_floor);
-  reader.read("evidence_exponent", parameters.evidence_exponent);
-  reader.read("resample_threshold", parameters.resample_threshold);
-  reader.read("drift_inflation", parameters.drift_inflation);
-  reader.read("pose_noise_floor", parameters.pose_noise_floor);
-  reader.read("detection_probability", parameters.detection_probability);
-  reader.read("false_detection_probability", parameters.false_detection_probability);
-  reader.read("confirm_log_odds", parameters.confirm_log_odds);
-  reader.read("delete_log_odds", parameters.delete_log_odds);
-  reader.read("maximum_log_odds", parameters.maximum_log_odds);
-  reader.read("update_distance", parameters.update_distance);
-  reader.read("update_angle", parameters.update_angle);
+  FastSlamParameters::table().read(reader, parameters);
   reader.has("node");
   reader.has("relocalisation");
   reader.rejectUnknown();
-  parameters.mode = toMode(mode);
   parameters.validate();
   return parameters;
 }

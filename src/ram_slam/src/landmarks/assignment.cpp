@@ -11,8 +11,7 @@
 namespace ram_slam {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kImpossible = 1e12;
+constexpr double kImpossible = 1e12;  // far above the sum of all scores
 
 /// The column of each row in the assignment of all rows with the least sum of costs; columns >=
 /// rows. Kuhn-Munkres with potentials, rows added one by one along shortest augmenting paths.
@@ -23,14 +22,14 @@ std::vector<int> cheapestColumns(const Eigen::MatrixXd& costs) {
   std::vector<double> row_potential(rows + 1, 0.0), column_potential(columns + 1, 0.0);
   std::vector<int> row_of(columns + 1, 0), previous(columns + 1, 0);
   for (int row = 1; row <= rows; ++row) {
-    std::vector<double> distance(columns + 1, kInfinity);
+    std::vector<double> distance(columns + 1, std::numeric_limits<double>::infinity());
     std::vector<bool> settled(columns + 1, false);
     row_of[0] = row;
     int column = 0;
     do {
       settled[column] = true;
       const int current = row_of[column];
-      double least = kInfinity;
+      double least = std::numeric_limits<double>::infinity();
       int next = 0;
       for (int j = 1; j <= columns; ++j) {
         if (settled[j]) continue;

@@ -4,8 +4,9 @@
 #include <cmath>
 
 namespace ram_slam {
+
 double orientationLogRatio(double difference_rad, double variance_rad2, double wrong_share) {
-  if (!(variance_rad2 <= 1.0)) return 0.0;
+  if (!(variance_rad2 <= kUnobservedOrientation_rad2)) return 0.0;
   const double away_rad = wrapAngle(difference_rad);
   const double density =
       std::exp(-0.5 * away_rad * away_rad / variance_rad2) / std::sqrt(2.0 * M_PI * variance_rad2);

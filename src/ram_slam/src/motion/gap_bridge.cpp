@@ -8,33 +8,45 @@
 #include "ram_slam/geometry/random.hpp"
 
 namespace ram_slam {
-namespace {
 
-// Standard deviation of where an unobserved robot gets to, per second and at most.
-constexpr double kDrift_mps = 0.3;
-constexpr double kMostDrift_m = 3.0;
-constexpr double kTurn_radps = 0.3;
-constexpr double kMostTurn_rad = 1.0;
+const ram_parameters::ParameterTable<GapBridgeParameters>& GapBridgeParameters::table() {
+  using namespace ram_parameters;
+  using P = GapBridgeParameters;
+  static const auto table =
+      ParameterTable<P>()
+          .add("drift_mps", &P::drift_mps, "m/s", atLeast(0.0),
+               "Standard deviation per axis of where an unobserved robot gets to, per second.")
+          .add("maximum_drift_m", &P::maximum_drift_m, "m", atLeast(0.0), "The same at most.")
+          .add("turn_radps", &P::turn_radps, "rad/s", atLeast(0.0),
+               "Standard deviation of the yaw of an unobserved robot, per second.")
+          .add("maximum_turn_rad", &P::maximum_turn_rad, "rad", atLeast(0.0), "The same at most.")
+          .add("rest_sigma_m", &P::rest_sigma_m, "m", atLeast(0.0),
+               "Standard deviation per axis of a motion that another source states, at rest.")
+          .add("sigma_m_per_m", &P::sigma_m_per_m, "m/m", atLeast(0.0), "And for each metre.")
+          .add("rest_sigma_rad", &P::rest_sigma_rad, "rad", atLeast(0.0),
+               "Standard deviation of the yaw of such a motion, at rest.")
+          .add("sigma_rad_per_rad", &P::sigma_rad_per_rad, "rad/rad", atLeast(0.0),
+               "And for each radian.")
+          .add("late_s", &P::late_s, "s", within(0.0, 1000.0),
+               "So long a source that stated a motion is waited for before the motion counts as "
+               "unobserved again.");
+  return table;
+}
 
-// Of a motion that other odometry tells: at rest, per metre, per radian.
-constexpr double kTold_m = 0.02;
-constexpr double kToldPerM = 0.05;
-constexpr double kTold_rad = 0.01;
-constexpr double kToldPerRad = 0.05;
-constexpr std::int64_t kLateNs = 1'000'000'000;
-
-/// Standing still, with the uncertainty of not knowing so.
-PoseWithCovariance2 unobserved(double duration_s) {
-  const double drift_m = std::min(kMostDrift_m, kDrift_mps * duration_s);
-  const double turn_rad = std::min(kMostTurn_rad, kTurn_radps * duration_s);
+PoseWithCovariance2 GapBridge::unobserved(double duration_s) const {
+  const double drift_m = std::min(parameters_.maximum_drift_m, parameters_.drift_mps * duration_s);
+  const double turn_rad =
+      std::min(parameters_.maximum_turn_rad, parameters_.turn_radps * duration_s);
   PoseWithCovariance2 motion;
   motion.covariance.diagonal() << drift_m * drift_m, drift_m * drift_m, turn_rad * turn_rad;
   return motion;
 }
 
-PoseWithCovariance2 told(const Pose2& moved) {
-  const double deviation_m = kTold_m + kToldPerM * moved.translation().norm();
-  const double deviation_rad = kTold_rad + kToldPerRad * std::abs(moved.yaw_rad);
+PoseWithCovariance2 GapBridge::withNoise(const Pose2& moved) const {
+  const double deviation_m =
+      parameters_.rest_sigma_m + parameters_.sigma_m_per_m * moved.translation().norm();
+  const double deviation_rad =
+      parameters_.rest_sigma_rad + parameters_.sigma_rad_per_rad * std::abs(moved.yaw_rad);
   PoseWithCovariance2 motion;
   motion.pose = moved;
   motion.covariance.diagonal() << deviation_m * deviation_m, deviation_m * deviation_m,
@@ -42,10 +54,9 @@ PoseWithCovariance2 told(const Pose2& moved) {
   return motion;
 }
 
-}  // namespace
-
 void GapBridge::interruptedUntil(std::int64_t stamp_ns, const std::optional<Pose2>& moved) {
-  if (moved_ && !moved && stamp_ns < resume_ns_ + kLateNs) return;
+  const auto late_ns = static_cast<std::int64_t>(parameters_.late_s * 1e9);
+  if (moved_ && !moved && stamp_ns < resume_ns_ + late_ns) return;
   resume_ns_ = stamp_ns;
   moved_ = moved;
 }
@@ -56,7 +67,7 @@ void GapBridge::forget() {
 }
 
 PoseWithCovariance2 GapBridge::bridge(std::int64_t from_ns) const {
-  return moved_ ? told(*moved_) : unobserved(static_cast<double>(resume_ns_ - from_ns) * 1e-9);
+  return moved_ ? withNoise(*moved_) : unobserved(static_cast<double>(resume_ns_ - from_ns) * 1e-9);
 }
 
 PoseWithCovariance2 GapBridge::motion(std::int64_t from_ns, std::int64_t to_ns) const {

@@ -10,7 +10,7 @@ const PoseWithCovariance2 kStep{{1.0, 0.2, 0.3}, Eigen::Vector3d(1e-4, 2e-4, 3e-
 
 TEST(MapDrift, GrowsAsThePosesCovarianceDoesWithoutLandmarks) {
   PoseWithCovariance2 pose{{3.0, -2.0, 1.0}, Eigen::Vector3d(1e-3, 1e-3, 1e-4).asDiagonal()};
-  MapDrift drift;
+  MapDrift drift(2.0);
   drift.reset(pose);
   for (int i = 0; i < 20; ++i) {
     drift.move(pose.pose, kStep);
@@ -20,7 +20,7 @@ TEST(MapDrift, GrowsAsThePosesCovarianceDoesWithoutLandmarks) {
 }
 
 TEST(MapDrift, FallsBackToWhatItWasWhenLandmarksOfThenAreSeen) {
-  MapDrift drift;
+  MapDrift drift(2.0);
   Pose2 pose;
   drift.move(pose, kStep);
   pose = pose * kStep.pose;
@@ -38,9 +38,9 @@ TEST(MapDrift, FallsBackToWhatItWasWhenLandmarksOfThenAreSeen) {
   EXPECT_EQ(drift.covariance(), least);
 }
 
-TEST(MapDrift, AClosedLoopTellsAboutItsMiddleAsABrownianBridgeDoes) {
+TEST(MapDrift, AClosedLoopCorrectsItsMiddleAsABrownianBridgeDoes) {
   const Eigen::Matrix3d step = Eigen::Vector3d(1e-4, 1e-4, 0.0).asDiagonal();
-  MapDrift open;
+  MapDrift open(2.0);
   Eigen::Matrix3d middle, early;
   for (int i = 0; i < 100; ++i) {
     if (i == 25) early = open.covariance();
@@ -56,7 +56,7 @@ TEST(MapDrift, AClosedLoopTellsAboutItsMiddleAsABrownianBridgeDoes) {
 }
 
 TEST(MapDrift, IsNeverLessThanThePosesOwnCovariance) {
-  MapDrift drift;
+  MapDrift drift(2.0);
   const PoseWithCovariance2 pose{{5.0, 1.0, 2.0}, 0.01 * Eigen::Matrix3d::Identity()};
   drift.cover(pose);
   EXPECT_NEAR((drift.at(pose.pose) - pose.covariance).norm(), 0.0, 1e-12);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "ram_slam/fast_slam/map_drift.hpp"
 #include "ram_slam/fast_slam/parameters.hpp"
 #include "ram_slam/fast_slam/particle.hpp"
+#include "ram_slam/fast_slam/proposal.hpp"
 #include "ram_slam/fast_slam/shared_error.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/geometry/random.hpp"
@@ -51,7 +53,8 @@ public:
 
   /// Takes in the features of one reading, moving the robot to its stamp first. If it throws
   /// nothing has changed. \param view  what the sensor could have seen in that reading; without it
-  /// no landmark is ever doubted \throws std::invalid_argument if the list is older than the last
+  /// no landmark is found missing
+  /// \throws std::invalid_argument if the list is older than the last
   /// one or a feature is not finite or its covariance
   ///         not symmetric and positive definite
   /// \param step  the motion since stamp_ns(), anything before the first list
@@ -66,9 +69,9 @@ public:
   bool started() const { return stamp_ns_ != 0; }
   std::int64_t stamp_ns() const { return stamp_ns_; }
 
-  /// Mean over all particles and what each of them was drawn from, at stamp_ns(). The covariance is
-  /// that of the pose in the frame of the start: the mixture's, or MapDrift's if that is
-  /// more, and SharedError (fast_slam_2).
+  /// Mean over all particles and what each of them was sampled from, at stamp_ns(). The covariance
+  /// is that of the pose in the frame of the start: the mixture's, or MapDrift's if that is more,
+  /// and SharedError (fast_slam_2).
   const PoseWithCovariance2& estimate() const { return estimate_; }
   /// The path of the best particle, oldest pose first.
   std::vector<StampedPose2> trajectory() const { return particles_[best_].path.poses(); }
@@ -113,36 +116,10 @@ public:
   std::size_t landmarkBytes() const;
 
 private:
-  /// How the particles move up to a new stamp.
-  struct Step {
-    PoseWithCovariance2 motion;        ///< FastSLAM 2.0: since the maps were updated last
-    PoseWithCovariance2 since_list;    ///< FastSLAM 2.0: since the last list
-    std::vector<Pose2> map_from_base;  ///< FastSLAM 1.0: one per particle
-  };
-
-  /// A particle that is asked where landmarks should be seen, for a share of all of them.
-  struct Witness {
-    const Particle* particle;
-    Eigen::Matrix2d base_from_map;  ///< rotation
-    int count;                      ///< of the kWitnesses shares that it stands for
-  };
-
-  /// Log-odds that a landmark loses because it was not found where the view ...
-  struct Doubt {
-    double overlooked = 0.0;  ///< ... shows something
-    double passed = 0.0;      ///< ... shows that there is nothing
-  };
-
-  Step prepare(const MotionStep& step) const;
-  void move(const Step& step);
   std::vector<DescriptorPointer> describe(const FeatureList& list) const;
-  std::vector<Observation> observe(const FeatureList& list,
-                                   const std::vector<DescriptorPointer>& descriptors) const;
-  /// Whether the maps shall be updated: not while nothing new is to be seen.
-  bool isDue(const FeatureList& list, const Step& step) const;
   /// Associates in every particle, corrects it and estimates the pose.
   std::vector<Evidence> weigh(const std::vector<Observation>& observations);
-  void drawPoses(const std::vector<Evidence>& evidence);
+  void samplePoses(const std::vector<Evidence>& evidence);
   void updateMaps(const FeatureList& list,
                   const std::vector<DescriptorPointer>& descriptors,
                   const std::vector<Observation>& observations,
@@ -154,12 +131,6 @@ private:
                          const std::vector<DescriptorPointer>& descriptors,
                          const std::vector<Association>& associations);
   void rate(const Evidence& evidence);
-  void collectEvidence(const FieldOfView* view);
-  Doubt doubtOf(const LandmarkRecord& record,
-                const FieldOfView& view,
-                const std::vector<Witness>& witnesses) const;
-  std::vector<Witness> witnesses() const;
-  void updateEstimate(const std::vector<double>& weights);
   /// Makes the estimate's covariance that of a pose in the frame of the start.
   /// \param moved_m  since the list before
   void coverErrors(double moved_m);
@@ -170,10 +141,10 @@ private:
   void removeDuplicates();
   /// Landmarks that no particle holds any more.
   void forgetAbandoned();
-  std::vector<double> weights() const;
 
   FastSlamParameters parameters_;
   FeatureMatchers matchers_;
+  std::shared_ptr<const Proposal> proposal_;  ///< of the mode; shared by copies
   LandmarkRegistry registry_;
   std::vector<Particle> particles_;
   std::size_t best_ = 0;
@@ -184,8 +155,8 @@ private:
   std::vector<Association> associations_;
   std::int64_t stamp_ns_ = 0;
   std::uint64_t update_count_ = 0;
-  std::int64_t learned_ns_ = 0;         ///< when poses were drawn and maps updated last
-  PoseWithCovariance2 since_learning_;  ///< the motion since then
+  std::int64_t updated_ns_ = 0;       ///< when poses were sampled and maps updated last
+  PoseWithCovariance2 since_update_;  ///< the motion since then
 };
 
 }  // namespace ram_slam

@@ -8,9 +8,10 @@
 
 #include <Eigen/Geometry>
 
-#include "ram_slam/fast_slam/landmark_tree.hpp"
+#include "ram_slam/fast_slam/parameters.hpp"
 #include "ram_slam/landmarks/feature.hpp"
 #include "ram_slam/landmarks/feature_matcher.hpp"
+#include "ram_slam/landmarks/landmark.hpp"
 
 namespace ram_slam {
 
@@ -60,10 +61,14 @@ private:
 void addSighting(LandmarkRecord& record,
                  const Eigen::Vector2d& robot_from_landmark_m,
                  const FeatureMatcher* matcher,
-                 const DescriptorPointer& descriptor);
+                 const DescriptorPointer& descriptor,
+                 const AppearanceParameters& parameters);
 
 /// Averages in one more observation of the landmark's orientation in the map.
-void addOrientation(LandmarkRecord& record, double orientation_rad, double variance_rad2);
+void addOrientation(LandmarkRecord& record,
+                    double orientation_rad,
+                    double variance_rad2,
+                    const AppearanceParameters& parameters);
 
 /// Whether the landmark was seen from about there before, so that it should be seen from there
 /// again.

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "ram_slam/fast_slam/parameters.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 
@@ -18,11 +19,13 @@ namespace ram_slam {
 /// and where the robot came along a trajectory that a smoother has corrected: that goes by scans.
 class SharedError {
 public:
+  explicit SharedError(const SharedErrorParameters& parameters = {}) : parameters_(parameters) {}
+
   /// The robot drove so far [m], >= 0, to `place_m` of the map.
   void move(double distance_m, const Eigen::Vector2d& place_m);
   /// The map was bent along this trajectory, given in the map: known ground from now on.
   void follow(const Trajectory& map_from_base);
-  /// The map was learned elsewhere, nobody knows how: all ground is new.
+  /// The map was learned elsewhere, how is not known: all ground is new.
   void forget();
 
   /// Of the pose, in x, y and yaw; yaw as if all features were 5 m away.
@@ -32,7 +35,8 @@ public:
 private:
   bool isKnown(const Eigen::Vector2d& place_m) const;
 
-  std::vector<Eigen::Vector2d> known_m_;  ///< a place per metre of the corrected trajectory
+  SharedErrorParameters parameters_;
+  std::vector<Eigen::Vector2d> known_m_;  ///< places along the corrected trajectory
   double new_ground_m_ = 0.0;             ///< the way since the robot was on known ground
 };
 

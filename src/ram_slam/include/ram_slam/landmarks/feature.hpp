@@ -23,6 +23,9 @@ struct Feature {
   std::int64_t delay_ns = 0;  ///< seen so long after the list's stamp, in the base frame of then
 };
 
+/// A larger variance of an orientation means that it was not observed.
+constexpr double kUnobservedOrientation_rad2 = 1.0;
+
 /// How much likelier [nat] it is that two orientations are of one thing than that they have nothing
 /// to do with each other. 0 if the variance exceeds 1 rad^2: then one of them was not observed.
 /// \param variance_rad2  of their difference
