@@ -63,7 +63,7 @@ double readFutureInterpol(ram_parameters::ParameterReader& reader) {
 }  // namespace
 
 FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
-    : node_parameters_(readFastSlamNodeParameters(reader)),
+    : node_parameters_(ram_slam::readFastSlamNodeParameters(reader)),
       future_interpol_s_(readFutureInterpol(reader)),
       make_estimator_(readEstimator(reader, node_parameters_.estimator, matchers_)),
       views_(node_parameters_.frames.base, buffer_),

@@ -24,10 +24,10 @@
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/stages/estimator_stage.hpp"
+#include "ram_slam/stages/fast_slam_node_parameters.hpp"
 
 #include "checkpoint_keeper.hpp"
 #include "fast_slam_diagnostics.hpp"
-#include "fast_slam_node_parameters.hpp"
 #include "kinematics_client.hpp"
 #include "laser_views.hpp"
 #include "map_to_odom_publisher.hpp"
@@ -81,7 +81,7 @@ private:
   void publishLost();
   void publishMap();
 
-  FastSlamNodeParameters node_parameters_;
+  ram_slam::FastSlamNodeParameters node_parameters_;
   double future_interpol_s_ = 0.0;
   MatcherPlugins matchers_;
   ram_slam::EstimatorFactory make_estimator_;

@@ -18,7 +18,7 @@ constexpr double kMostSpeed_mps = 3.0;
 
 }  // namespace
 
-MapToOdomPublisher::MapToOdomPublisher(const Frames& frames,
+MapToOdomPublisher::MapToOdomPublisher(const ram_slam::Frames& frames,
                                        double ahead_s,
                                        const tf2_ros::Buffer& buffer)
     : frames_(frames), ahead_ns_(static_cast<std::int64_t>(ahead_s * 1e9)), buffer_(buffer) {

@@ -5,28 +5,22 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <thread>
 
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/stages/fast_slam_node_parameters.hpp"
 
 namespace ram_slam_ros {
-
-struct Frames {
-  std::string map = "map";
-  std::string odom = "odom";
-  std::string base = "base_link";
-};
 
 /// Keeps tf map -> odom valid: publishes it from a thread of its own, dated ahead, at 25 Hz and at
 /// once after a correction, never twice with the same stamp.
 class MapToOdomPublisher {
 public:
   /// \param ahead_s  how far ahead of now the transform is dated
-  MapToOdomPublisher(const Frames& frames, double ahead_s, const tf2_ros::Buffer& buffer);
+  MapToOdomPublisher(const ram_slam::Frames& frames, double ahead_s, const tf2_ros::Buffer& buffer);
   ~MapToOdomPublisher();
   MapToOdomPublisher(const MapToOdomPublisher&) = delete;
   MapToOdomPublisher& operator=(const MapToOdomPublisher&) = delete;
@@ -48,7 +42,7 @@ private:
   void publishIfDue();
   void applyCorrection();
 
-  Frames frames_;
+  ram_slam::Frames frames_;
   std::int64_t ahead_ns_;
   const tf2_ros::Buffer& buffer_;
   tf2_ros::TransformBroadcaster broadcaster_;

@@ -1,15 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/parameter_files.hpp"
 
+#include "ram_slam/fast_slam/parameters.hpp"
 #include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
 #include "ram_slam/scan_matching/laser_odometry_parameters.hpp"
 #include "ram_slam/smoothing/landmark_smoother_parameters.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
+#include "ram_slam/stages/fast_slam_node_parameters.hpp"
+#include "ram_slam/tracking/recovery_parameters.hpp"
 
 namespace ram_slam {
+namespace {
+
+std::vector<ram_parameters::ParameterRow> fastSlamRows() {
+  std::vector<ram_parameters::ParameterRow> rows = FastSlamParameters::table().rows();
+  ram_parameters::append(rows, RecoveryParameters::table().rows(), "relocalisation");
+  ram_parameters::append(rows, FastSlamNodeParameters::table().rows(), "node");
+  return rows;
+}
+
+}  // namespace
 
 std::vector<ram_parameters::ParameterFile> parameterFiles() {
   return {
+      {"fast_slam.yaml", "ram_slam/fast_slam",
+       "Motion and features in, pose and landmarks out (docs/fast_slam.md).", fastSlamRows()},
       {"landmark_smoother.yaml", "ram_slam/landmark_smoother",
        "All features of a run and the estimator's result in, landmarks and a trajectory that agree "
        "with all of them out.",

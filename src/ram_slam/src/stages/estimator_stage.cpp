@@ -24,7 +24,9 @@ const ram_parameters::ParameterTable<EstimatorStageParameters>& EstimatorStagePa
           .add("minimum_angle_rad", &P::minimum_angle_rad, "rad", atLeast(0.0),
                "or so much turning,")
           .add("longest_pause_s", &P::longest_pause_s, "s", positive(),
-               "or so much time since the one before.");
+               "or so much time since the one before.")
+          .expert("Motion while the odometry is interrupted")
+          .section("gap_bridge", &P::gap_bridge, GapBridgeParameters::table());
   return table;
 }
 
@@ -34,7 +36,7 @@ EstimatorStage::EstimatorStage(EstimatorFactory make,
     : make_(std::move(make)),
       model_(model),
       parameters_((parameters.validate(), parameters)),
-      motion_(model),
+      motion_(model, parameters_.gap_bridge),
       estimator_(make_()) {}
 
 void EstimatorStage::reset() {

@@ -19,6 +19,7 @@ struct EstimatorStageParameters {
   double minimum_distance_m = 0.0;
   double minimum_angle_rad = 0.0;
   double longest_pause_s = 10.0;
+  GapBridgeParameters gap_bridge;
 
   static const ram_parameters::ParameterTable<EstimatorStageParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fast_slam_node_parameters.hpp"
+#include "ram_slam/stages/fast_slam_node_parameters.hpp"
 
 #include <stdexcept>
 
-namespace ram_slam_ros {
-namespace {
+namespace ram_slam {
 
-const ram_parameters::ParameterTable<Frames>& framesTable() {
+const ram_parameters::ParameterTable<Frames>& Frames::table() {
   static const auto table =
       ram_parameters::ParameterTable<Frames>()
           .add("map_frame", &Frames::map, "Frame of the pose and the map.")
@@ -17,8 +16,6 @@ const ram_parameters::ParameterTable<Frames>& framesTable() {
   return table;
 }
 
-}  // namespace
-
 const ram_parameters::ParameterTable<FastSlamNodeParameters>& FastSlamNodeParameters::table() {
   using P = FastSlamNodeParameters;
   using ram_parameters::aboveUpTo;
@@ -28,8 +25,10 @@ const ram_parameters::ParameterTable<FastSlamNodeParameters>& FastSlamNodeParame
           .heading("How the node is wired")
           .add("estimator", &P::estimator,
                "Which estimator runs: fast_slam, or one that was registered (docs/extending.md).")
-          .include(&P::frames, framesTable())
+          .include(&P::frames, Frames::table())
           .add("feature_topics", &P::feature_topics, "Topics of detectors, at least one.")
+          .rule(&P::feature_topics, "a list of at least one topic",
+                [](const P& p) { return !p.feature_topics.empty(); })
           .add("use_scan", &P::use_scan,
                "Whether `scan` is subscribed to, so that landmarks are removed where the lidar "
                "sees empty space.")
@@ -46,13 +45,11 @@ const ram_parameters::ParameterTable<FastSlamNodeParameters>& FastSlamNodeParame
                "working directory, ~/.ros under roslaunch; empty: none. (docs/fast_slam.md)")
           .add("checkpoint_period", &P::checkpoint_period, "s", aboveUpTo(0.0, 3600.0),
                "Least time between two checkpoints.")
-          .include(&P::readings, ram_slam::EstimatorStageParameters::table());
+          .include(&P::readings, EstimatorStageParameters::table());
   return table;
 }
 
 void FastSlamNodeParameters::validate() const {
-  if (feature_topics.empty())
-    throw std::invalid_argument("node/feature_topics must name at least one topic");
   try {
     table().check(*this);
   } catch (const std::invalid_argument& error) {
@@ -65,4 +62,4 @@ FastSlamNodeParameters readFastSlamNodeParameters(ram_parameters::ParameterReade
   return FastSlamNodeParameters::table().readAll(reader);
 }
 
-}  // namespace ram_slam_ros
+}  // namespace ram_slam

@@ -7,21 +7,28 @@
 #include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/stages/estimator_stage.hpp"
 
-#include "map_to_odom_publisher.hpp"
+namespace ram_slam {
 
-namespace ram_slam_ros {
+/// Names of the frames between which the node publishes poses.
+struct Frames {
+  std::string map = "map";
+  std::string odom = "odom";
+  std::string base = "base_link";
 
-/// What only the node needs to know; the section `node` of config/fast_slam.yaml.
+  static const ram_parameters::ParameterTable<Frames>& table();
+};
+
+/// What only the node of an estimator needs; the section `node` of config/fast_slam.yaml.
 struct FastSlamNodeParameters {
   std::string estimator = "fast_slam";
   Frames frames;
   std::vector<std::string> feature_topics = {"features"};
   bool use_scan = true;
-  double output_period = 1.0;
-  std::string initial_map;      ///< file of a world map; empty: none
-  std::string checkpoint_file;  ///< empty: no checkpoints
-  double checkpoint_period = 2.0;
-  ram_slam::EstimatorStageParameters readings;
+  double output_period = 1.0;      ///< [s]
+  std::string initial_map;         ///< file of a world map; empty: none
+  std::string checkpoint_file;     ///< empty: no checkpoints
+  double checkpoint_period = 2.0;  ///< [s]
+  EstimatorStageParameters readings;
 
   static const ram_parameters::ParameterTable<FastSlamNodeParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
@@ -32,4 +39,4 @@ struct FastSlamNodeParameters {
 /// value out of bounds
 FastSlamNodeParameters readFastSlamNodeParameters(ram_parameters::ParameterReader& all);
 
-}  // namespace ram_slam_ros
+}  // namespace ram_slam

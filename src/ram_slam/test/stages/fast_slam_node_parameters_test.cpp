@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ram_slam/stages/fast_slam_node_parameters.hpp"
+
+#include <stdexcept>
+#include <string>
+
+#include <gmock/gmock.h>
+
+namespace ram_slam {
+namespace {
+
+FastSlamNodeParameters read(const std::string& yaml) {
+  ram_parameters::ParameterReader reader(YAML::Load(yaml), "test");
+  return readFastSlamNodeParameters(reader);
+}
+
+std::string refusalOf(const std::string& yaml) {
+  try {
+    read(yaml);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FastSlamNodeParameters, AreTheDefaultsInTheShippedFile) {
+  const std::string path = std::string(CONFIG_FOLDER) + "/fast_slam.yaml";
+  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
+  const auto shipped = FastSlamNodeParameters::table().rows(readFastSlamNodeParameters(reader));
+  const auto defaults = FastSlamNodeParameters::table().rows();
+  ASSERT_EQ(shipped.size(), defaults.size());
+  for (std::size_t i = 0; i < shipped.size(); ++i)
+    EXPECT_EQ(shipped[i].value, defaults[i].value) << shipped[i].key;
+}
+
+TEST(FastSlamNodeParameters, AreReadFromTheSectionNode) {
+  const FastSlamNodeParameters p = read(
+      "{node: {estimator: other, map_frame: world, odom_frame: wheels, base_frame: robot, "
+      "feature_topics: [a, b], use_scan: false, initial_map: office.world, "
+      "checkpoint_period: 3.0, gap_bridge: {drift_mps: 0.5}}}");
+  EXPECT_EQ(p.estimator, "other");
+  EXPECT_EQ(p.frames.map, "world");
+  EXPECT_EQ(p.frames.odom, "wheels");
+  EXPECT_EQ(p.frames.base, "robot");
+  EXPECT_THAT(p.feature_topics, testing::ElementsAre("a", "b"));
+  EXPECT_FALSE(p.use_scan);
+  EXPECT_EQ(p.initial_map, "office.world");
+  EXPECT_EQ(p.checkpoint_period, 3.0);
+  EXPECT_EQ(p.readings.gap_bridge.drift_mps, 0.5);
+}
+
+TEST(FastSlamNodeParameters, NameTheSectionOfWhatIsRefused) {
+  EXPECT_THAT(refusalOf("{node: {feature_topics: []}}"),
+              testing::HasSubstr("node/feature_topics must be"));
+  EXPECT_THAT(refusalOf("{node: {output_period: -1.0}}"),
+              testing::HasSubstr("node/output_period must be"));
+  EXPECT_THAT(refusalOf("{node: {checkpoint_period: 0.0}}"),
+              testing::HasSubstr("node/checkpoint_period must be"));
+  EXPECT_THAT(refusalOf("{node: {map_fram: map}}"), testing::HasSubstr("map_frame"));
+}
+
+}  // namespace
+}  // namespace ram_slam
