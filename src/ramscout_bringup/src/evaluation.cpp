@@ -19,9 +19,6 @@ using ram_slam::Pose2;
 using ram_slam::StampedPose2;
 using ram_slam::wrapAngle;
 
-constexpr double kMaxStampGapS = 0.1;
-constexpr double kDistantS = 30.0;
-
 double seconds(std::int64_t duration_ns) {
   return static_cast<double>(duration_ns) * 1e-9;
 }
@@ -236,7 +233,8 @@ double pathLength(const Trajectory& trajectory) {
 
 RelationComparison compareWithRelations(const Trajectory& estimate,
                                         const std::vector<Relation>& relations,
-                                        const Trajectory& odometry) {
+                                        const Trajectory& odometry,
+                                        const RelationLimits& limits) {
   if (estimate.empty()) throw std::invalid_argument("the trajectory has no pose");
   if (relations.empty()) throw std::invalid_argument("there is no relation");
   RelationComparison comparison;
@@ -244,7 +242,7 @@ RelationComparison compareWithRelations(const Trajectory& estimate,
     const StampedPose2& pose = nearest(estimate, stamp_ns);
     const double gap_s = std::abs(seconds(pose.stamp_ns - stamp_ns));
     comparison.max_stamp_gap_s = std::max(comparison.max_stamp_gap_s, gap_s);
-    if (gap_s <= kMaxStampGapS) return pose.pose;
+    if (gap_s <= limits.max_stamp_gap_s) return pose.pose;
     ++comparison.far_count;
     if (odometry.empty()) return pose.pose;
     ++comparison.moved_count;
@@ -256,7 +254,7 @@ RelationComparison compareWithRelations(const Trajectory& estimate,
   for (const Relation& relation : relations) {
     const Pose2 estimated = poseAt(relation.first_ns).inverse() * poseAt(relation.second_ns);
     all.add(estimated, relation.first_from_second);
-    if (std::abs(seconds(relation.second_ns - relation.first_ns)) > kDistantS) {
+    if (std::abs(seconds(relation.second_ns - relation.first_ns)) > limits.distant_s) {
       distant.add(estimated, relation.first_from_second);
     }
   }

@@ -2,7 +2,6 @@
 #include "ramscout_bringup/map_quality.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -130,12 +129,14 @@ double coverageOf(const OccupancyGrid& estimate,
 
 /// Unit vector along the wall that an occupied cell belongs to; none if its surroundings are no
 /// line.
-std::optional<Eigen::Vector2d> wallDirection(const OccupancyGrid& map, int x, int y) {
-  constexpr int kReach = 4;
-  constexpr int kFewest = 5;
-  constexpr double kMostSpread = 0.15;  // variance across / variance along
+std::optional<Eigen::Vector2d> wallDirection(const OccupancyGrid& map,
+                                             int x,
+                                             int y,
+                                             const DoubledWallCriteria& criteria) {
+  const int reach = criteria.reach_cells;
+  const int edge = 2 * reach + 1;
   // Only what is connected to the cell: the other wall of a pair would bend the direction.
-  std::array<char, (2 * kReach + 1) * (2 * kReach + 1)> reached{};
+  std::vector<char> reached(static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge), 0);
   std::vector<Eigen::Vector2d> cells{Eigen::Vector2d::Zero()};
   reached[reached.size() / 2] = 1;
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -144,23 +145,22 @@ std::optional<Eigen::Vector2d> wallDirection(const OccupancyGrid& map, int x, in
       for (int dx = -1; dx <= 1; ++dx) {
         const int cx = static_cast<int>(cell.x()) + dx;
         const int cy = static_cast<int>(cell.y()) + dy;
-        if (std::abs(cx) > kReach || std::abs(cy) > kReach || !isOccupied(map.at(x + cx, y + cy)))
+        if (std::abs(cx) > reach || std::abs(cy) > reach || !isOccupied(map.at(x + cx, y + cy)))
           continue;
-        char& mark =
-            reached[static_cast<std::size_t>((cy + kReach) * (2 * kReach + 1) + cx + kReach)];
+        char& mark = reached[static_cast<std::size_t>((cy + reach) * edge + cx + reach)];
         if (mark) continue;
         mark = 1;
         cells.emplace_back(cx, cy);
       }
     }
   }
-  if (cells.size() < kFewest) return std::nullopt;
+  if (cells.size() < criteria.min_cells) return std::nullopt;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& cell : cells) mean += cell / static_cast<double>(cells.size());
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   for (const Eigen::Vector2d& cell : cells) spread += (cell - mean) * (cell - mean).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
-  if (axes.eigenvalues()[0] > kMostSpread * axes.eigenvalues()[1]) return std::nullopt;
+  if (axes.eigenvalues()[0] > criteria.max_spread * axes.eigenvalues()[1]) return std::nullopt;
   return Eigen::Vector2d(axes.eigenvectors().col(1));
 }
 
@@ -168,13 +168,14 @@ enum class Gap { kNone, kUnknown, kFree };
 
 /// What lies between a wall's cell and a parallel wall on the side of `normal`; kNone if there is
 /// no such wall.
-Gap gapToParallelWall(const OccupancyGrid& map, int x, int y, const Eigen::Vector2d& normal) {
-  constexpr int kNearest = 2;
-  constexpr int kFarthest = 6;
-  constexpr double kParallel = 0.94;  // cosine of 20 degrees
+Gap gapToParallelWall(const OccupancyGrid& map,
+                      int x,
+                      int y,
+                      const Eigen::Vector2d& normal,
+                      const DoubledWallCriteria& criteria) {
   bool left_wall = false;
   bool crossed_free = false;
-  for (int distance = 1; distance <= kFarthest; ++distance) {
+  for (int distance = 1; distance <= criteria.farthest_cells; ++distance) {
     const int cx = x + static_cast<int>(std::lround(normal.x() * distance));
     const int cy = y + static_cast<int>(std::lround(normal.y() * distance));
     const std::int8_t value = map.at(cx, cy);
@@ -184,10 +185,10 @@ Gap gapToParallelWall(const OccupancyGrid& map, int x, int y, const Eigen::Vecto
       continue;
     }
     if (!left_wall) continue;
-    if (distance < kNearest) return Gap::kNone;
-    const auto direction = wallDirection(map, cx, cy);
-    if (!direction ||
-        std::abs(direction->dot(Eigen::Vector2d(-normal.y(), normal.x()))) < kParallel)
+    if (distance < criteria.nearest_cells) return Gap::kNone;
+    const auto direction = wallDirection(map, cx, cy, criteria);
+    if (!direction || std::abs(direction->dot(Eigen::Vector2d(-normal.y(), normal.x()))) <
+                          criteria.parallel_cosine)
       return Gap::kNone;
     return crossed_free ? Gap::kFree : Gap::kUnknown;
   }
@@ -242,18 +243,18 @@ MapAgreement compareMaps(const OccupancyGrid& estimate,
           statisticsOf(std::move(wall_distance_m))};
 }
 
-DoubledWalls findDoubledWalls(const OccupancyGrid& map) {
+DoubledWalls findDoubledWalls(const OccupancyGrid& map, const DoubledWallCriteria& criteria) {
   DoubledWalls doubled;
   std::size_t any = 0;
   std::size_t across_free = 0;
   forEachCell(map, [&](int x, int y, std::int8_t value) {
     if (!isOccupied(value)) return;
     ++doubled.occupied_count;
-    const auto direction = wallDirection(map, x, y);
+    const auto direction = wallDirection(map, x, y, criteria);
     if (!direction) return;
     const Eigen::Vector2d normal(-direction->y(), direction->x());
-    const Gap left = gapToParallelWall(map, x, y, normal);
-    const Gap right = gapToParallelWall(map, x, y, -normal);
+    const Gap left = gapToParallelWall(map, x, y, normal, criteria);
+    const Gap right = gapToParallelWall(map, x, y, -normal, criteria);
     any += left != Gap::kNone || right != Gap::kNone ? 1 : 0;
     across_free += left == Gap::kFree || right == Gap::kFree ? 1 : 0;
   });

@@ -20,13 +20,6 @@ namespace {
 using ram_slam::OccupancyGrid;
 using ram_slam::Pose2;
 
-constexpr int kLongestEdgePixels = 2400;  // of the map at most, but a cell is at least a pixel ...
-constexpr int kMostPixels = 6000;         // ... unless the picture would become longer than this
-constexpr int kLargestCellPixels = 8;
-constexpr double kMarginM = 1.0;
-constexpr int kLegendHeight = 46;
-constexpr int kLegendWidth = 860;
-constexpr double kFontScale = 0.5;
 constexpr int kFractionBits = 4;  // OpenCV draws to 1/16 pixel
 
 const cv::Scalar kFree(255, 255, 255);
@@ -68,7 +61,7 @@ Trajectory truthInMap(const Results& results) {
   return truth;
 }
 
-Scene sceneOf(const Results& results) {
+Scene sceneOf(const Results& results, double margin_m) {
   Scene scene{results, truthInMap(results), {}};
   const OccupancyGrid& map = results.map;
   Box known;  // in cells
@@ -89,28 +82,31 @@ Scene sceneOf(const Results& results) {
   for (const auto& pose : results.trajectory) scene.box.include(pose.pose.translation());
   for (const auto& pose : scene.truth) scene.box.include(pose.pose.translation());
   if (scene.box.low.x() > scene.box.high.x()) scene.box.include(Eigen::Vector2d::Zero());
-  scene.box.low.array() -= kMarginM;
-  scene.box.high.array() += kMarginM;
+  scene.box.low.array() -= margin_m;
+  scene.box.high.array() += margin_m;
   return scene;
 }
 
 /// Draws in the map frame: x to the right, y up.
 class Canvas {
 public:
-  Canvas(const Box& box, double resolution_m) : low_(box.low), high_(box.high) {
+  Canvas(const Box& box, double resolution_m, const PictureLayout& layout)
+      : low_(box.low), high_(box.high), layout_(layout) {
     const Eigen::Vector2d size_m = box.high - box.low;
     const double cells = size_m.maxCoeff() / resolution_m;
-    const double cell_pixels =
-        std::clamp(std::floor(kLongestEdgePixels / cells), 1.0, double{kLargestCellPixels});
-    pixels_per_m_ = std::min(cell_pixels / resolution_m, kMostPixels / size_m.maxCoeff());
+    const double cell_pixels = std::clamp(std::floor(layout.longest_edge_px / cells), 1.0,
+                                          static_cast<double>(layout.largest_cell_px));
+    pixels_per_m_ = std::min(cell_pixels / resolution_m, layout.max_edge_px / size_m.maxCoeff());
     const int width = static_cast<int>(std::ceil(size_m.x() * pixels_per_m_));
     const int height = static_cast<int>(std::ceil(size_m.y() * pixels_per_m_));
-    image_ = cv::Mat(height + kLegendHeight, std::max(width, kLegendWidth), CV_8UC3, kFree);
+    image_ = cv::Mat(height + layout.legend_height_px, std::max(width, layout.legend_width_px),
+                     CV_8UC3, kFree);
     map_height_ = height;
     image_(cv::Rect(0, 0, width, height)).setTo(kUnknown);
   }
 
   cv::Mat& image() { return image_; }
+  const PictureLayout& layout() const { return layout_; }
   double pixelsPerM() const { return pixels_per_m_; }
   int mapHeight() const { return map_height_; }
 
@@ -128,6 +124,7 @@ public:
 private:
   Eigen::Vector2d low_;
   Eigen::Vector2d high_;
+  PictureLayout layout_;
   double pixels_per_m_ = 1.0;
   int map_height_ = 0;
   cv::Mat image_;
@@ -182,43 +179,43 @@ void drawLandmarks(Canvas& canvas, const std::vector<MapLandmark>& landmarks) {
 }
 
 /// The longest of 1, 2, 5, 10 ... m that fits the space for the scale bar.
-double scaleBarM(double pixels_per_m) {
-  constexpr double kLongestPixels = 150.0;
+double scaleBarM(double pixels_per_m, double longest_px) {
   double length_m = 0.1;
   for (double decade_m = 0.1; decade_m < 1e6; decade_m *= 10.0) {
     for (const double step : {1.0, 2.0, 5.0}) {
-      if (step * decade_m * pixels_per_m <= kLongestPixels) length_m = step * decade_m;
+      if (step * decade_m * pixels_per_m <= longest_px) length_m = step * decade_m;
     }
   }
   return length_m;
 }
 
-void write(cv::Mat& image, const std::string& text, const cv::Point& at) {
-  cv::putText(image, text, at, cv::FONT_HERSHEY_SIMPLEX, kFontScale, kText, 1, cv::LINE_AA);
+void write(Canvas& canvas, const std::string& text, const cv::Point& at) {
+  cv::putText(canvas.image(), text, at, cv::FONT_HERSHEY_SIMPLEX, canvas.layout().font_scale, kText,
+              1, cv::LINE_AA);
 }
 
 void drawLegend(Canvas& canvas, bool has_truth) {
   cv::Mat& image = canvas.image();
-  const int y = canvas.mapHeight() + kLegendHeight / 2;
-  const double bar_m = scaleBarM(canvas.pixelsPerM());
+  const int y = canvas.mapHeight() + canvas.layout().legend_height_px / 2;
+  const double bar_m = scaleBarM(canvas.pixelsPerM(), canvas.layout().scale_bar_px);
   const int bar_end = 20 + cvRound(bar_m * canvas.pixelsPerM());
   cv::rectangle(image, {20, y - 3}, {bar_end, y + 3}, kText, cv::FILLED);
   std::array<char, 32> label{};
   std::snprintf(label.data(), label.size(), "%g m", bar_m);
-  write(image, label.data(), {bar_end + 8, y + 5});
+  write(canvas, label.data(), {bar_end + 8, y + 5});
 
   int x = 260;
   cv::line(image, {x, y}, {x + 30, y}, kEstimate, 2, cv::LINE_AA);
-  write(image, "estimated path", {x + 38, y + 5});
+  write(canvas, "estimated path", {x + 38, y + 5});
   x += 190;
   if (has_truth) {
     cv::line(image, {x, y}, {x + 30, y}, kTruth, 4, cv::LINE_AA);
-    write(image, "true path", {x + 38, y + 5});
+    write(canvas, "true path", {x + 38, y + 5});
     x += 150;
   }
   cv::circle(image, {x + 15, y}, 3, kLandmark, cv::FILLED, cv::LINE_AA);
   cv::ellipse(image, {x + 15, y}, {14, 8}, 0.0, 0.0, 360.0, kLandmark, 1, cv::LINE_AA);
-  write(image, "landmark, 1 sigma", {x + 38, y + 5});
+  write(canvas, "landmark, 1 sigma", {x + 38, y + 5});
 }
 
 // OpenCV's own encoder would bring some hundred shared libraries with it.
@@ -240,9 +237,9 @@ std::string toPng(const cv::Mat& image) {
 
 }  // namespace
 
-std::string drawPicture(const Results& results) {
-  const Scene scene = sceneOf(results);
-  Canvas canvas(scene.box, results.map.resolution_m);
+std::string drawPicture(const Results& results, const PictureLayout& layout) {
+  const Scene scene = sceneOf(results, layout.margin_m);
+  Canvas canvas(scene.box, results.map.resolution_m, layout);
   drawMap(canvas, results.map);
   drawPath(canvas, scene.truth, kTruth, 4);
   drawPath(canvas, results.trajectory, kEstimate, 2);

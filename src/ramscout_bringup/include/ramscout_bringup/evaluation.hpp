@@ -79,12 +79,19 @@ struct RelationComparison {
   std::size_t far_count = 0;    ///< stamps more than 0.1 s from any pose
 };
 
+/// How relations are compared.
+struct RelationLimits {
+  double max_stamp_gap_s = 0.1;  ///< a pose this near in time is taken as it is
+  double distant_s = 30.0;       ///< stamps of a relation farther apart make it a distant one
+};
+
 /// For each stamp the pose nearest in time is taken; if it is more than 0.1 s away and odometry is
 /// given, it is moved by the odometry between the samples nearest to both instants. No alignment,
 /// nothing dropped, all weights 1. \throws std::invalid_argument if the trajectory or the relations
 /// are empty
 RelationComparison compareWithRelations(const Trajectory& estimate,
                                         const std::vector<Relation>& relations,
-                                        const Trajectory& odometry);
+                                        const Trajectory& odometry,
+                                        const RelationLimits& limits = {});
 
 }  // namespace ramscout_bringup

@@ -27,6 +27,16 @@ MapAgreement compareMaps(const ram_slam::OccupancyGrid& estimate,
                          const ram_slam::OccupancyGrid& truth,
                          const ram_slam::Pose2& true_from_estimate);
 
+/// What counts as a wall, and what as its double.
+struct DoubledWallCriteria {
+  int reach_cells = 4;  ///< a wall's direction is that of what is connected within this square
+  std::size_t min_cells = 5;  ///< of a wall
+  double max_spread = 0.15;   ///< variance across by variance along, beyond which it is no line
+  int nearest_cells = 2;      ///< of a parallel wall; nearer ones are one thick wall
+  int farthest_cells = 6;
+  double parallel_cosine = 0.94;  ///< of 20 degrees
+};
+
 /// Doubled walls, the mark of a loop closed badly: occupied cells that have a parallel wall 2 to 6
 /// cells away, across a gap.
 struct DoubledWalls {
@@ -35,6 +45,7 @@ struct DoubledWalls {
   double fraction_across_free =
       0.0;  ///< only where cells between the two are free, which a real wall's inside is not
 };
-DoubledWalls findDoubledWalls(const ram_slam::OccupancyGrid& map);
+DoubledWalls findDoubledWalls(const ram_slam::OccupancyGrid& map,
+                              const DoubledWallCriteria& criteria = {});
 
 }  // namespace ramscout_bringup
