@@ -34,19 +34,19 @@ Rays Lidar::rays(std::int64_t stamp_ns, const SensorPath& path) const {
                               path.stamps_ns[sample + 1] - stamp_ns) -
              beam_offsets_ns_.begin();
     }
-    if (last > first) interpolate(path, sample, stamp_ns, first, last, rays);
+    if (last > first) interpolate(path, sample, stamp_ns, {first, last}, rays);
     first = last;
   }
   return rays;
 }
 
-/// The beams [first, last) between a sample of the path and the next.
+/// The beams between a sample of the path and the next.
 void Lidar::interpolate(const SensorPath& path,
                         std::size_t sample,
                         std::int64_t stamp_ns,
-                        Eigen::Index first,
-                        Eigen::Index last,
+                        BeamRange beams,
                         Rays& rays) const {
+  const auto [first, last] = beams;
   const std::size_t next = std::min(sample + 1, path.stamps_ns.size() - 1);
   const Eigen::Matrix<float, 3, 4> at =
       path.world_from_laser[sample].matrix().topRows<3>().cast<float>();

@@ -12,6 +12,7 @@ namespace {
 using Point = Eigen::Vector2i;
 using Loop = std::vector<Point>;
 
+/// Counter-clockwise, from the x axis on.
 const std::array<Point, 4> kSteps = {Point(1, 0), Point(0, 1), Point(-1, 0), Point(0, -1)};
 
 /// The sides between occupied cells and others, walked with the occupied cell on the left.

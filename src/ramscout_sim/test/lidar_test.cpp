@@ -13,6 +13,7 @@
 #include "ramscout_sim/random.hpp"
 
 #include "shared.hpp"
+#include "spoiled_parameters.hpp"
 
 namespace ramscout_sim {
 namespace {
@@ -289,16 +290,7 @@ TEST(Lidar, PresetsAreTheDataSheets) {
 }
 
 TEST(Lidar, RefusesBadParametersByName) {
-  const auto refusal = [](void (*spoil)(LidarParameters&)) {
-    LidarParameters p;
-    spoil(p);
-    try {
-      p.validate();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
+  const auto refusal = &testing::refusalOfSpoiled<LidarParameters>;
   EXPECT_THAT(refusal([](LidarParameters& p) { p.beams = 1; }), HasSubstr("beams"));
   EXPECT_THAT(refusal([](LidarParameters& p) { p.angle_max_rad = 9.0; }),
               HasSubstr("angle_max_rad"));

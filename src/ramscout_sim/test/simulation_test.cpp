@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 
 #include "shared.hpp"
+#include "spoiled_parameters.hpp"
 
 namespace ramscout_sim {
 namespace {
@@ -206,16 +207,7 @@ TEST(Simulation, FinishesATourAndSaysSo) {
 }
 
 TEST(Simulation, RefusesBadParametersByName) {
-  const auto refusal = [](void (*spoil)(SimulationParameters&)) {
-    SimulationParameters p;
-    spoil(p);
-    try {
-      p.validate();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
+  const auto refusal = &testing::refusalOfSpoiled<SimulationParameters>;
   using ::testing::HasSubstr;
   EXPECT_THAT(refusal([](SimulationParameters& p) { p.seed = -1; }), HasSubstr("seed"));
   EXPECT_THAT(refusal([](SimulationParameters& p) { p.physics_rate_hz = 10; }),

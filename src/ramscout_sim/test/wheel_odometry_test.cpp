@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 
 #include "shared.hpp"
+#include "spoiled_parameters.hpp"
 
 namespace ramscout_sim {
 namespace {
@@ -232,16 +233,7 @@ TEST(WheelOdometry, TheSpeedsCovarianceIsHonest) {
 }
 
 TEST(WheelOdometry, RefusesBadParametersByName) {
-  const auto refusal = [](void (*spoil)(OdometryParameters&)) {
-    OdometryParameters p;
-    spoil(p);
-    try {
-      p.validate();
-    } catch (const std::invalid_argument& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
+  const auto refusal = &testing::refusalOfSpoiled<OdometryParameters>;
   EXPECT_THAT(refusal([](OdometryParameters& p) { p.ticks_per_turn = 0; }),
               HasSubstr("ticks_per_turn"));
   EXPECT_THAT(refusal([](OdometryParameters& p) { p.track_ratio = 0; }), HasSubstr("track_ratio"));

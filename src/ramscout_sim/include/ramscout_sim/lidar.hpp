@@ -47,11 +47,15 @@ public:
   Rays rays(std::int64_t stamp_ns, const SensorPath& path) const;
 
 private:
+  /// Beams of a scan from `first` on, `last` not included.
+  struct BeamRange {
+    Eigen::Index first = 0;
+    Eigen::Index last = 0;
+  };
   void interpolate(const SensorPath& path,
                    std::size_t sample,
                    std::int64_t stamp_ns,
-                   Eigen::Index first,
-                   Eigen::Index last,
+                   BeamRange beams,
                    Rays& rays) const;
   void addOutliers(std::vector<float>& ranges_m, std::uint64_t scan_index) const;
   double bias_m(std::uint64_t scan_index) const;
