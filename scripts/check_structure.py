@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""check_structure.py: who may include whom, and how long a file may be.
+"""check_structure.py: who may include whom, how long files and functions may be, and which sources have tests.
 
-Cores know no ROS; the simulator knows no SLAM code; a lower folder of ram_slam does not include a higher one. (How long a
-function may be is clang-tidy's, .clang-tidy.)
+Cores know no ROS; the simulator knows no SLAM code; a lower folder of ram_slam does not include a higher one. Every source of
+a core has a test file of its name, or a comment in the package's CMakeLists.txt names it.
 """
+import math
 import re
 import subprocess
 import sys
@@ -11,6 +12,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 MOST_LINES = 400
+MOST_FUNCTION_LINES = 60
+MOST_FUNCTION_LINES_P95 = 30
+# Sources that have no test of their own yet.
+UNTESTED = {"src/ram_slam/src/landmarks/%s.cpp" % name for name in ("feature", "feature_matcher", "landmark")}
 ROS = re.compile(r'#include [<"](ros/|rosbag/|tf2|pluginlib/|\w+_msgs/|std_srvs/)')
 SLAM = re.compile(r"\b(ram_slam|ramscout_kinematics|ramscout_feature_detector)(/|::|</)")
 # Floors of ram_slam, lowest first: a folder may include its own and lower floors.
@@ -43,14 +48,72 @@ def boundary_findings(name):
                 yield "%s:%d: %s/ includes %s/, which is above it" % (name, number, own[1], match[1])
 
 
+def blanked(text):
+    """The text with comments, strings and directives replaced by spaces."""
+    pattern = r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'|^[ \t]*#(?:[^\n]*\\\n)*[^\n]*'
+    return re.sub(pattern, lambda match: re.sub(r"[^\n]", " ", match[0]), text, flags=re.S | re.M)
+
+
+def functions(text):
+    """First line and number of lines of each function's body, found by matching braces."""
+    text = blanked(text)
+    open_braces = []  # kind and position of each
+    head = 0  # where the declaration before a brace begins
+    for match in re.finditer(r"[{};]", text):
+        at = match.start()
+        if match[0] == "{":
+            outer = open_braces[-1][0] if open_braces else "scope"
+            declaration = text[head:at]
+            kind = "block"
+            if outer == "scope" and re.search(r"\b(namespace|class|struct|enum|union|extern)\b[^()]*$", declaration):
+                kind = "scope"
+            elif outer == "scope" and re.search(r"\)\s*(const|noexcept|override|final|->[^{]*|\s)*(:[^;]*)?$", declaration):
+                kind = "function"
+            open_braces.append((kind, at))
+            if kind != "block":
+                head = at + 1
+        elif match[0] == "}":
+            kind, start = open_braces.pop()
+            if kind == "function" and text[at + 1:].lstrip()[:1] in (",", "{"):
+                continue  # it initialised a member; the body follows
+            if kind == "function":
+                yield text.count("\n", 0, start) + 1, text.count("\n", start, at) + 1
+            if kind != "block" or open_braces and open_braces[-1][0] != "scope":
+                head = at + 1
+        else:
+            head = at + 1
+
+
+def function_findings(names):
+    lengths = []
+    for name in names:
+        for line, length in functions((ROOT / name).read_text()):
+            lengths.append(length)
+            if length > MOST_FUNCTION_LINES:
+                yield "%s:%d: a function of %d lines, at most %d" % (name, line, length, MOST_FUNCTION_LINES)
+    p95 = sorted(lengths)[math.ceil(0.95 * len(lengths)) - 1]
+    if p95 > MOST_FUNCTION_LINES_P95:
+        yield "one function in twenty has more than %d lines, at most %d" % (p95 - 1, MOST_FUNCTION_LINES_P95)
+
+
+def untested_findings(name):
+    own = re.match(r"(src/\w+)/src/((?:.*/)?(\w+))\.cpp$", name)
+    if not own or name in UNTESTED or name.endswith("_main.cpp") or (ROOT / own[1] / "test" / (own[2] + "_test.cpp")).is_file():
+        return
+    comments = " ".join(re.findall(r"^\s*#(.*)", (ROOT / own[1] / "CMakeLists.txt").read_text(), re.M))
+    if not re.search(r"\b%s\b" % own[3], comments):
+        yield "%s: no test/%s_test.cpp, and no comment in %s/CMakeLists.txt states why" % (name, own[2], own[1])
+
+
 def main():
     files = subprocess.run(["git", "ls-files", "*.hpp", "*.cpp", "*.py", "*/CMakeLists.txt", "*/package.xml"], cwd=ROOT,
                            check=True, capture_output=True, text=True).stdout.split()
-    findings = []
+    files = [name for name in files if (ROOT / name).is_file()]
+    code = [name for name in files if re.fullmatch(r"src/\w+/(include|src|ros|apps)/.*\.(hpp|cpp)", name)]
+    findings = list(function_findings(code))
     for name in files:
-        if not (ROOT / name).is_file():
-            continue
         findings += boundary_findings(name)
+        findings += untested_findings(name)
         count = len((ROOT / name).read_text().splitlines())
         if count > MOST_LINES:
             findings.append("%s: %d lines, at most %d" % (name, count, MOST_LINES))

@@ -25,6 +25,7 @@ struct Transform {
 
 /// Points of the source that lie on lines, turned into the target's axes and looked up, a block at
 /// a time: column by column, so that the compiler works on several at once.
+// NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): place() fills what is used
 struct Block {
   std::size_t count = 0;
   std::array<SurfacePoint, kBlock> source;

@@ -77,7 +77,7 @@ std::vector<ScanPair> loopPairs(const std::vector<KeyScan>& key_scans,
 /// The pairing of points and what a pair of points weighs.
 struct Pairing {
   PairingLimits limits;
-  double information_per_pair;  ///< [1/m^2]
+  double information_per_pair = 0.0;  ///< [1/m^2]
 };
 
 Pairing firstPairing(const ScanMatcherParameters& matcher) {

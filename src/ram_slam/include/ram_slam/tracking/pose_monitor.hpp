@@ -57,8 +57,8 @@ public:
   struct Pose {
     const TrackedView& now;
     Pose2 map_from_base;
-    double path_m;  ///< driven so far
-    PoseSource source;
+    double path_m = 0.0;  ///< driven so far
+    PoseSource source = PoseSource::kMap;
   };
 
   /// \throws std::invalid_argument as PoseMonitorParameters::validate()
