@@ -19,9 +19,6 @@ namespace ram_slam {
 namespace {
 
 constexpr double kSymmetryTolerance = 1e-9;  // rounding of covariances, relative to their size
-// Others may know landmarks that were created after a map was written to its file. How many is not
-// known; a generous number, of 2^32 identifiers.
-constexpr LandmarkId kSkippedIds = 10000;
 
 void requireGood(const Feature& feature) {
   const Eigen::Matrix2d& c = feature.covariance_m2;
@@ -113,7 +110,7 @@ void FastSlam::setMap(const LandmarkMap& map, const std::vector<StampedPose2>& p
     registry.restore(std::move(record));
     landmarks.set(estimate.id, {estimate.mean_m, estimate.covariance_m2});
   }
-  registry.skip(kSkippedIds);
+  registry.skip(static_cast<LandmarkId>(parameters_.skipped_ids));
   Path driven;
   for (const StampedPose2& pose : path) driven.append(pose);
   registry_ = std::move(registry);

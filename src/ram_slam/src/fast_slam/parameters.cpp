@@ -193,6 +193,9 @@ void addTuning(ParameterTable<P>& table) {
            "Weight of the past in the running means of quality, per list.")
       .add("drift_yaw_arm_m", &P::drift_yaw_arm_m, "m", atLeast(0.0),
            "Distance at which yaw counts as much as position where drifts are compared.")
+      .add("skipped_ids", &P::skipped_ids, "", within(0, 1000000),
+           "Identifiers left out behind those of a map from a file: others may know landmarks that "
+           "were created after it was written.")
       .section("appearance", &P::appearance, AppearanceParameters::table())
       .section("existence", &P::existence, ExistenceParameters::table())
       .section("shared_error", &P::shared_error, SharedErrorParameters::table())

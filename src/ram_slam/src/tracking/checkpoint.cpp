@@ -1,26 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/tracking/checkpoint.hpp"
 
-#include <cmath>
 #include <stdexcept>
 
 #include "ram_slam/world_map/landmark_layer.hpp"
 #include "ram_slam/world_map/world_map_file.hpp"
 
 namespace ram_slam {
-namespace {
-
-constexpr double kStep_m = 0.1;
-constexpr double kStep_rad = 0.1;
-
-}  // namespace
-
-Trajectory thinned(const Trajectory& path) {
+Trajectory thinned(const Trajectory& path, const MotionGate& step) {
   Trajectory kept;
   for (const StampedPose2& pose : path) {
     if (!kept.empty() && &pose != &path.back()) {
       const Pose2 moved = kept.back().pose.inverse() * pose.pose;
-      if (moved.translation().norm() < kStep_m && std::abs(moved.yaw_rad) < kStep_rad) continue;
+      if (!step.isReachedBy(moved)) continue;
     }
     kept.push_back(pose);
   }

@@ -24,7 +24,13 @@ const ram_parameters::ParameterTable<TrackingParameters>& TrackingParameters::ta
           .add("resumed_sigma_rad", &P::resumed_sigma_rad, "rad", positive(), "Of its yaw.")
           .add("restored_sigma_m", &P::restored_sigma_m, "m", positive(),
                "Standard deviation per axis of the pose of a checkpoint relative to its landmarks.")
-          .add("restored_sigma_rad", &P::restored_sigma_rad, "rad", positive(), "Of its yaw.");
+          .add("restored_sigma_rad", &P::restored_sigma_rad, "rad", positive(), "Of its yaw.")
+          .add("lost_sigma_m", &P::lost_sigma_m, "m", positive(),
+               "Standard deviation per axis of the published pose while the robot is lost.")
+          .add("lost_sigma_rad", &P::lost_sigma_rad, "rad", positive(), "Of its yaw.")
+          .include(&P::checkpoint_step,
+                   motionGateTable("A checkpoint keeps a pose of the path after so much motion."),
+                   "checkpoint_step_");
   return table;
 }
 

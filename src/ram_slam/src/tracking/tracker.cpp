@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/tracking/tracker.hpp"
 
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -9,10 +8,6 @@
 
 namespace ram_slam {
 namespace {
-
-// What estimate() states of a lost robot: anywhere around. Callers compare with it.
-constexpr double kLostSigma_m = 100.0;
-constexpr double kLostSigma_rad = M_PI;
 
 PoseWithCovariance2 withSigma(const Pose2& pose, double sigma_m, double sigma_rad) {
   PoseWithCovariance2 uncertain;
@@ -295,7 +290,8 @@ LostReason Tracker::reason() const {
 PoseWithCovariance2 Tracker::estimate() const {
   const auto* lost = std::get_if<Lost>(&state_);
   if (lost == nullptr) return filter_.estimate();
-  return withSigma(lost->map_from_base, kLostSigma_m, kLostSigma_rad);
+  return withSigma(lost->map_from_base, parameters_.tracking.lost_sigma_m,
+                   parameters_.tracking.lost_sigma_rad);
 }
 
 void Tracker::setPose(const PoseWithCovariance2& map_from_base) {
@@ -328,7 +324,7 @@ Checkpoint Tracker::checkpoint() const {
   kept.map.stamp_ns = stamp_ns_;
   while (!kept.path.empty() && kept.path.back().stamp_ns >= stamp_ns_) kept.path.pop_back();
   if (!lost()) kept.path.push_back({stamp_ns_, filter_.estimate().pose});
-  kept.path = thinned(kept.path);
+  kept.path = thinned(kept.path, parameters_.tracking.checkpoint_step);
   return kept;
 }
 

@@ -99,7 +99,7 @@ TEST(Checkpoint, KeepsTheEndsOfAPathAndItsTurns) {
   for (int i = 0; i <= 100; ++i) path.push_back({i + 1, {0.03 * i, 0.0, 0.0}});  // 3 m
   for (int i = 0; i < 50; ++i) path.push_back({i + 200, {3.0, 0.0, 0.02 * i}});  // 1 rad
   for (int i = 0; i < 50; ++i) path.push_back({i + 300, {3.0, 0.0, 0.98}});      // at rest
-  const Trajectory kept = thinned(path);
+  const Trajectory kept = thinned(path, {0.1, 0.1});
   EXPECT_EQ(kept.front().stamp_ns, 1);
   EXPECT_EQ(kept.back().stamp_ns, 349);
   EXPECT_LT(kept.size(), 45U);
@@ -108,7 +108,7 @@ TEST(Checkpoint, KeepsTheEndsOfAPathAndItsTurns) {
     EXPECT_NEAR(there.x_m, pose.pose.x_m, 0.1);
     EXPECT_NEAR(there.yaw_rad, pose.pose.yaw_rad, 0.1);
   }
-  EXPECT_TRUE(thinned({}).empty());
+  EXPECT_TRUE(thinned({}, {0.1, 0.1}).empty());
 }
 
 }  // namespace

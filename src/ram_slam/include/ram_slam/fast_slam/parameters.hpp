@@ -88,6 +88,7 @@ struct FastSlamParameters {
   int maximum_hypotheses = 64;
   double quality_memory = 0.95;
   double drift_yaw_arm_m = 2.0;
+  int skipped_ids = 10000;  ///< others may know landmarks newer than a map's file
   AppearanceParameters appearance;
   ExistenceParameters existence;
   SharedErrorParameters shared_error;

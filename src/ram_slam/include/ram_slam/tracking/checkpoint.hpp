@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/landmarks/landmark_map.hpp"
 
@@ -17,8 +18,8 @@ struct Checkpoint {
   bool isLost() const { return path.empty() || path.back().stamp_ns != map.stamp_ns; }
 };
 
-/// Leaves out poses of a path within 0.1 m and 0.1 rad of the one before, but for the last one.
-Trajectory thinned(const Trajectory& path);
+/// Leaves out poses of a path within a step of the one before, but for the last one.
+Trajectory thinned(const Trajectory& path, const MotionGate& step);
 
 /// As the bytes of a world map's file that holds landmarks and trajectory alone.
 std::string toBytes(const Checkpoint& checkpoint);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/tracking/discontinuity_detector.hpp"
 #include "ram_slam/tracking/map_views.hpp"
 #include "ram_slam/tracking/pose_monitor.hpp"
@@ -23,6 +25,9 @@ struct TrackingParameters {
   double resumed_sigma_rad = 0.05;
   double restored_sigma_m = 0.02;
   double restored_sigma_rad = 0.004;
+  double lost_sigma_m = 100.0;  ///< anywhere around; callers compare with it
+  double lost_sigma_rad = M_PI;
+  MotionGate checkpoint_step{0.1, 0.1};  ///< between two poses of the path
 
   static const ram_parameters::ParameterTable<TrackingParameters>& table();
 };
