@@ -12,8 +12,6 @@
 namespace ram_slam_ros {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 31;
-
 /// The first name beside the file that is not taken.
 std::string nameAside(const std::string& path) {
   for (int i = 1;; ++i) {
@@ -43,8 +41,7 @@ std::optional<ram_slam::Checkpoint> CheckpointKeeper::load() {
   std::error_code none;
   if (path_.empty() || !std::filesystem::exists(path_, none)) return std::nullopt;
   try {
-    ram_slam::Checkpoint checkpoint =
-        ram_slam::checkpointFromBytes(ram_slam::readWholeFile(path_, kMostBytes));
+    ram_slam::Checkpoint checkpoint = ram_slam::checkpointFromBytes(ram_slam::readWholeFile(path_));
     kept_ns_ = checkpoint.map.stamp_ns;
     return checkpoint;
   } catch (const std::exception& error) {

@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t kMaxFeatures = 1000;
 constexpr double kLongestSweepS = 1.0;  // a longer one is no sweep but nonsense
 constexpr double kSymmetryTolerance = 1e-6;
+constexpr int kPlanar[] = {0, 1, 5};                 // x, y and yaw among x, y, z, roll, pitch, yaw
 constexpr std::int64_t kMaxDelayNs = 1'000'000'000;  // of a feature after its list
 
 ram_slam::Pose2 toPose2(double x, double y, const geometry_msgs::Quaternion& q) {
@@ -81,7 +82,6 @@ geometry_msgs::Transform toTransformMessage(const ram_slam::Pose2& pose) {
 
 ram_slam::PoseWithCovariance2 toPoseWithCovariance2(
     const geometry_msgs::PoseWithCovariance& message) {
-  constexpr int kPlanar[] = {0, 1, 5};
   ram_slam::PoseWithCovariance2 pose;
   pose.pose = toPose2(message.pose);
   for (int row = 0; row < 3; ++row) {
@@ -95,7 +95,6 @@ ram_slam::PoseWithCovariance2 toPoseWithCovariance2(
 
 geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(
     const ram_slam::PoseWithCovariance2& pose) {
-  constexpr int kPlanar[] = {0, 1, 5};
   geometry_msgs::PoseWithCovariance message;
   message.pose = toPoseMessage(pose.pose);
   for (int i = 2; i < 5; ++i) message.covariance[7 * i] = ram_slam::SpatialPose::kUnknownVariance;

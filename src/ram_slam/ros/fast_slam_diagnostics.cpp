@@ -3,15 +3,13 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 
+#include "node_defaults.hpp"
 #include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
-
-constexpr double kPeriodS = 1.0;
-constexpr double kSilenceS = 2.0;
 
 template <typename Value>
 void add(DiagnosticStatus& status, const char* key, const Value& value) {
@@ -23,9 +21,10 @@ void add(DiagnosticStatus& status, const char* key, const Value& value) {
 
 }  // namespace
 
-FastSlamDiagnostics::FastSlamDiagnostics() {
+FastSlamDiagnostics::FastSlamDiagnostics(double silence_s) : silence_s_(silence_s) {
   publisher_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
-  timer_ = node_.createWallTimer(ros::WallDuration(kPeriodS), [this](const auto&) { publish(); });
+  timer_ = node_.createWallTimer(ros::WallDuration(kDiagnosticsPeriodS),
+                                 [this](const auto&) { publish(); });
 }
 
 void FastSlamDiagnostics::addFeatures(std::size_t good_count, std::size_t rejected_count) {
@@ -70,13 +69,14 @@ DiagnosticStatus FastSlamDiagnostics::status() {
   } else if (newly_rejected > 0) {
     status.level = newly_rejected > newly_good ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
     status.message = "features rejected";
-  } else if (paused_ || newest_.isZero() || (ros::WallTime::now() - newest_).toSec() > kSilenceS) {
+  } else if (paused_ || newest_.isZero() || (ros::WallTime::now() - newest_).toSec() > silence_s_) {
     status.level = DiagnosticStatus::WARN;
     status.message = paused_ ? "paused" : "no features";
   }
   add(status, "lost", is_lost_ ? 1 : 0);
   for (const auto& [key, value] : health_) add(status, key.c_str(), value);
-  add(status, "lists per second", static_cast<double>(lists_ - reported_lists_) / kPeriodS);
+  add(status, "lists per second",
+      static_cast<double>(lists_ - reported_lists_) / kDiagnosticsPeriodS);
   add(status, "features rejected", rejected_features_);
   add(status, "lists rejected", rejected_lists_);
   addDrops(status, drops_);

@@ -19,7 +19,8 @@ namespace ram_slam_ros {
 /// it is lost or most features are rejected.
 class FastSlamDiagnostics {
 public:
-  FastSlamDiagnostics();
+  /// \param silence_s  without features after which that is a warning
+  explicit FastSlamDiagnostics(double silence_s);
 
   void addFeatures(std::size_t good_count, std::size_t rejected_count);
   void addRejectedList();
@@ -31,6 +32,7 @@ private:
   void publish();
   diagnostic_msgs::DiagnosticStatus status();
 
+  double silence_s_;
   std::mutex mutex_;
   std::uint64_t lists_ = 0;
   std::uint64_t rejected_lists_ = 0;

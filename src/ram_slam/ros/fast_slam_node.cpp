@@ -9,7 +9,6 @@
 #include <nav_msgs/Path.h>
 #include <std_msgs/Bool.h>
 
-#include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/landmark_conversions.hpp"
@@ -18,31 +17,15 @@
 #include "ram_slam/world_map/landmark_layer.hpp"
 #include "ram_slam/world_map/world_map_file.hpp"
 
+#include "node_defaults.hpp"
+
 namespace ram_slam_ros {
 namespace {
 
-using std::chrono::milliseconds;
+using Seconds = std::chrono::duration<double>;
 using std::chrono::steady_clock;
 
-constexpr double kLogPeriodS = 5.0;
-constexpr std::size_t kMostQueued = 500;
-/// How long a list waits for the odometry that it needs, in wall time; shorter while odometry is
-/// known to be missing.
-constexpr auto kPatience = milliseconds(1000);
-constexpr auto kPatienceInterrupted = milliseconds(20);
-constexpr auto kFirstRetry = milliseconds(2);
-constexpr auto kLongestRetry = milliseconds(100);
-constexpr auto kServicePatience = milliseconds(200);
-/// Least standard deviations of an initial pose [m], [rad]: a click is no more exact.
-constexpr double kInitialSigma_m = 0.01;
-constexpr double kInitialSigma_rad = 0.005;
-/// Corrections of the pose that are logged: consumers see it jump.
-constexpr ram_slam::MotionGate kLoggedCorrection{0.2, 0.1};
-constexpr std::size_t kMostMapBytes = std::size_t{1} << 31;
-
-void logCorrection(const ram_slam::Pose2& before, const ram_slam::Pose2& after) {
-  const ram_slam::Pose2 correction = before.inverse() * after;
-  if (!kLoggedCorrection.isReachedBy(correction)) return;
+void logCorrection(const ram_slam::Pose2& correction) {
   ROS_WARN_STREAM("The smoothed trajectory moves the pose by "
                   << correction.translation().norm() << " m and turns it by " << correction.yaw_rad
                   << " rad, and the map with it");
@@ -66,11 +49,15 @@ FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
     : node_parameters_(ram_slam::readFastSlamNodeParameters(reader)),
       future_interpol_s_(readFutureInterpol(reader)),
       make_estimator_(readEstimator(reader, node_parameters_.estimator, matchers_)),
-      views_(node_parameters_.frames.base, buffer_),
-      map_to_odom_(node_parameters_.frames, future_interpol_s_, buffer_),
+      views_(node_parameters_.frames.base,
+             buffer_,
+             static_cast<std::size_t>(node_parameters_.waiting.queue_size)),
+      map_to_odom_(
+          node_parameters_.frames, node_parameters_.map_to_odom, future_interpol_s_, buffer_),
       kinematics_(node_),
       checkpoints_(node_parameters_.checkpoint_file, node_parameters_.checkpoint_period),
-      stage_(make_estimator_, kinematics_, node_parameters_.readings) {
+      stage_(make_estimator_, kinematics_, node_parameters_.readings),
+      diagnostics_(node_parameters_.waiting.silence_s) {
   advertise();
   if (!restoreCheckpoint()) loadInitialMap();
   publishLost();
@@ -89,11 +76,12 @@ FastSlamNode::~FastSlamNode() {
 void FastSlamNode::advertise() {
   pose_ = node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 10);
   particles_ = node_.advertise<geometry_msgs::PoseArray>("particlecloud", 2);
-  landmarks_ = node_.advertise<ram_slam_msgs::LandmarkMap>("landmarks", 1, true);
-  landmark_markers_ = node_.advertise<visualization_msgs::MarkerArray>("landmark_markers", 1, true);
-  trajectory_ = node_.advertise<nav_msgs::Path>("trajectory", 1, true);
-  corrected_trajectory_ = node_.advertise<nav_msgs::Path>("corrected_trajectory", 1, true);
-  lost_ = node_.advertise<std_msgs::Bool>("lost", 1, true);
+  landmarks_ = node_.advertise<ram_slam_msgs::LandmarkMap>("landmarks", 1, kLatched);
+  landmark_markers_ =
+      node_.advertise<visualization_msgs::MarkerArray>("landmark_markers", 1, kLatched);
+  trajectory_ = node_.advertise<nav_msgs::Path>("trajectory", 1, kLatched);
+  corrected_trajectory_ = node_.advertise<nav_msgs::Path>("corrected_trajectory", 1, kLatched);
+  lost_ = node_.advertise<std_msgs::Bool>("lost", 1, kLatched);
   ros::NodeHandle private_node("~");
   services_ = {
       node_.advertiseService("global_localization", &FastSlamNode::onGlobalLocalization, this),
@@ -128,7 +116,7 @@ void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
                                               << " rejected: position or covariance unusable");
     }
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    if (queue_.size() >= kMostQueued) {
+    if (queue_.size() >= static_cast<std::size_t>(node_parameters_.waiting.queue_size)) {
       queue_drops_.add(ram_slam::DropReason::kQueueFull, queue_.front().stamp_ns, "features");
       queue_.pop_front();
     }
@@ -160,10 +148,12 @@ void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped&
                                   node_parameters_.frames.map + "'");
     }
     ram_slam::PoseWithCovariance2 pose = toPoseWithCovariance2(message.pose);
-    const Eigen::Vector3d least(kInitialSigma_m, kInitialSigma_m, kInitialSigma_rad);
+    const Eigen::Vector3d least(node_parameters_.initial_sigma_m, node_parameters_.initial_sigma_m,
+                                node_parameters_.initial_sigma_rad);
     for (int i = 0; i < 3; ++i)
       pose.covariance(i, i) = std::max(pose.covariance(i, i), least[i] * least[i]);
-    const std::unique_lock<std::timed_mutex> lock(stage_mutex_, kServicePatience);
+    const std::unique_lock<std::timed_mutex> lock(stage_mutex_,
+                                                  Seconds(node_parameters_.waiting.service_s));
     if (!lock.owns_lock()) throw std::runtime_error("the estimator is busy");
     stage_.estimator().setPose(pose);
     map_to_odom_.correct(stage_.estimator().stamp_ns(), pose.pose);
@@ -197,14 +187,16 @@ void FastSlamNode::followCorrection() {
   const ram_slam::Pose2 before = stage_.estimator().estimate().pose;
   const auto corrected = stage_.followCorrection();
   if (!corrected) return;
-  logCorrection(before, stage_.estimator().estimate().pose);
+  const ram_slam::Pose2 correction = before.inverse() * stage_.estimator().estimate().pose;
+  if (node_parameters_.logged_correction.isReachedBy(correction)) logCorrection(correction);
   corrected_trajectory_.publish(toPath(*corrected, node_parameters_.frames.map));
   last_output_ns_ = 0;
 }
 
 bool FastSlamNode::onGlobalLocalization(std_srvs::Empty::Request& /*request*/,
                                         std_srvs::Empty::Response& /*response*/) {
-  const std::unique_lock<std::timed_mutex> lock(stage_mutex_, kServicePatience);
+  const std::unique_lock<std::timed_mutex> lock(stage_mutex_,
+                                                Seconds(node_parameters_.waiting.service_s));
   if (!lock.owns_lock()) {
     ROS_WARN("No global localization: the estimator is busy");
     return false;
@@ -220,7 +212,8 @@ bool FastSlamNode::onGlobalLocalization(std_srvs::Empty::Request& /*request*/,
 
 bool FastSlamNode::onReset(std_srvs::Trigger::Request& /*request*/,
                            std_srvs::Trigger::Response& response) {
-  const std::unique_lock<std::timed_mutex> lock(stage_mutex_, kServicePatience);
+  const std::unique_lock<std::timed_mutex> lock(stage_mutex_,
+                                                Seconds(node_parameters_.waiting.service_s));
   response.success = lock.owns_lock();
   if (response.success) {
     stage_.reset();
@@ -271,8 +264,9 @@ void FastSlamNode::run() {
 
 void FastSlamNode::process(const ram_slam::FeatureList& list) {
   const auto start = steady_clock::now();
-  auto pause = kFirstRetry;
-  const auto patience = interrupted_ ? kPatienceInterrupted : kPatience;
+  const ram_slam::WaitingParameters& waiting = node_parameters_.waiting;
+  const Seconds patience(interrupted_ ? waiting.interrupted_s : waiting.motion_s);
+  double pause_s = waiting.first_retry_s;
   while (!tryUpdate(list)) {
     if (stop_ || !ros::ok()) return;
     if (steady_clock::now() - start > patience) {
@@ -280,8 +274,8 @@ void FastSlamNode::process(const ram_slam::FeatureList& list) {
       bridgeGap(list.stamp_ns);
       return;
     }
-    std::this_thread::sleep_for(pause);
-    pause = std::min(2 * pause, kLongestRetry);
+    std::this_thread::sleep_for(Seconds(pause_s));
+    pause_s = std::min(2.0 * pause_s, waiting.longest_retry_s);
   }
   if (interrupted_) ROS_INFO("The motion up to the features is known again");
   interrupted_ = false;
@@ -352,8 +346,7 @@ void FastSlamNode::bridgeGap(std::int64_t stamp_ns) {
 void FastSlamNode::loadInitialMap() {
   const std::string& path = node_parameters_.initial_map;
   if (path.empty()) return;
-  const ram_slam::WorldMap world =
-      ram_slam::worldMapFromBytes(ram_slam::readWholeFile(path, kMostMapBytes));
+  const ram_slam::WorldMap world = ram_slam::worldMapFromBytes(ram_slam::readWholeFile(path));
   const ram_slam::LandmarkMap map = toLandmarkMap(world.landmarks());
   stage_.estimator().setMap(map);
   ROS_INFO_STREAM("Loaded " << map.landmarks.size() << " landmarks from " << path

@@ -62,7 +62,7 @@ void FastSlamNode::publishMap() {
   last_output_ns_ = stage_.estimator().stamp_ns();
   const ram_slam::LandmarkMap map = stage_.estimator().landmarks();
   landmarks_.publish(toLandmarkMapMessage(map, node_parameters_.frames.map));
-  landmark_markers_.publish(toMarkers(map, node_parameters_.frames.map));
+  landmark_markers_.publish(toMarkers(map, node_parameters_.frames.map, node_parameters_.markers));
   trajectory_.publish(toPath(stage_.estimator().trajectory(), node_parameters_.frames.map));
 }
 

@@ -15,9 +15,6 @@ namespace {
 using ram_slam::LandmarkCovariance;
 using ram_slam::LandmarkEstimate;
 
-constexpr double kEllipseSigmas = 2.0;
-constexpr double kLeastDiameter_m = 0.05;  // smaller ones cannot be seen
-constexpr double kHeight_m = 0.02;
 constexpr int kMessageDimensions = 3;
 
 std_msgs::Header header(std::int64_t stamp_ns, const std::string& frame_id) {
@@ -28,12 +25,14 @@ std_msgs::Header header(std::int64_t stamp_ns, const std::string& frame_id) {
 }
 
 visualization_msgs::Marker ellipse(const LandmarkEstimate& landmark,
-                                   const std_msgs::Header& where) {
+                                   const std_msgs::Header& where,
+                                   const ram_slam::LandmarkMarkerParameters& parameters) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(landmark.covariance_m2);
   const Eigen::Vector2d longest = axes.eigenvectors().col(1);
-  const auto diameter_m = [&axes](int i) {
-    return std::max(kLeastDiameter_m,
-                    2.0 * kEllipseSigmas * std::sqrt(std::max(0.0, axes.eigenvalues()[i])));
+  const auto diameter_m = [&axes, &parameters](int i) {
+    return std::max(
+        parameters.least_diameter_m,
+        2.0 * parameters.ellipse_sigmas * std::sqrt(std::max(0.0, axes.eigenvalues()[i])));
   };
   visualization_msgs::Marker marker;
   marker.header = where;
@@ -44,7 +43,7 @@ visualization_msgs::Marker ellipse(const LandmarkEstimate& landmark,
       {landmark.mean_m.x(), landmark.mean_m.y(), std::atan2(longest.y(), longest.x())});
   marker.scale.x = diameter_m(1);
   marker.scale.y = diameter_m(0);
-  marker.scale.z = kHeight_m;
+  marker.scale.z = parameters.height_m;
   marker.color.g = 0.6F;
   marker.color.b = 1.0F;
   marker.color.a = landmark.existence_log_odds > 0.0 ? 0.9F : 0.3F;
@@ -110,13 +109,14 @@ std::vector<LandmarkEstimate> toLandmarkEstimates(const ram_slam_msgs::LandmarkM
 }
 
 visualization_msgs::MarkerArray toMarkers(const ram_slam::LandmarkMap& map,
-                                          const std::string& frame_id) {
+                                          const std::string& frame_id,
+                                          const ram_slam::LandmarkMarkerParameters& parameters) {
   visualization_msgs::MarkerArray markers;
   markers.markers.resize(1);
   markers.markers[0].header = header(map.stamp_ns, frame_id);
   markers.markers[0].action = visualization_msgs::Marker::DELETEALL;
   for (const LandmarkEstimate& landmark : map.landmarks) {
-    markers.markers.push_back(ellipse(landmark, markers.markers[0].header));
+    markers.markers.push_back(ellipse(landmark, markers.markers[0].header, parameters));
   }
   return markers;
 }

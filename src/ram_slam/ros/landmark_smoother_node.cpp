@@ -9,21 +9,16 @@
 #include "ram_slam/ros/occupancy_conversions.hpp"
 #include "ram_slam/stages/clock_guard.hpp"
 
+#include "node_defaults.hpp"
+
 namespace ram_slam_ros {
-namespace {
-
-constexpr std::uint32_t kQueueSize = 1000;  // features arrive while it smooths
-constexpr double kWarnPeriodS = 5.0;
-constexpr std::int64_t kPatienceNs = 2'000'000'000;  // by the stamps of newer lists
-
-}  // namespace
-
 LandmarkSmootherNode::LandmarkSmootherNode(ram_parameters::ParameterReader& reader)
     : kinematics_(node_) {
   parameters_ = ram_slam::readLandmarkSmootherParameters(reader);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  smoothed_trajectory_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, true);
-  smoothed_landmarks_ = node_.advertise<ram_slam_msgs::LandmarkMap>("smoothed_landmarks", 1, true);
+  smoothed_trajectory_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, kLatched);
+  smoothed_landmarks_ =
+      node_.advertise<ram_slam_msgs::LandmarkMap>("smoothed_landmarks", 1, kLatched);
   subscribers_ = {
       node_.subscribe("features", kQueueSize, &LandmarkSmootherNode::onFeatures, this, hints),
       node_.subscribe("trajectory", 1, &LandmarkSmootherNode::onTrajectory, this),
@@ -50,7 +45,7 @@ void LandmarkSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message)
     }
     waiting_.push_back(std::move(list));
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "Rejected features: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected features: " << error.what());
   }
   settle();
 }
@@ -62,8 +57,9 @@ void LandmarkSmootherNode::settle() {
     try {
       if (!steps_.empty()) step.motion = kinematics_.motion(steps_.back().list.stamp_ns, stamp_ns);
     } catch (const std::exception& error) {
-      if (waiting_.back().stamp_ns < stamp_ns + kPatienceNs) return;
-      ROS_WARN_STREAM_THROTTLE(kWarnPeriodS,
+      const auto patience_ns = static_cast<std::int64_t>(1e9 * parameters_.motion_patience_s);
+      if (waiting_.back().stamp_ns < stamp_ns + patience_ns) return;
+      ROS_WARN_STREAM_THROTTLE(kLogPeriodS,
                                "Features dropped, no motion up to them: " << error.what());
       waiting_.pop_front();
       continue;
@@ -79,7 +75,7 @@ void LandmarkSmootherNode::onTrajectory(const nav_msgs::Path& message) {
   try {
     trajectory_ = toTrajectory(message);
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "Rejected a trajectory: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected a trajectory: " << error.what());
   }
 }
 
@@ -87,7 +83,7 @@ void LandmarkSmootherNode::onLandmarks(const ram_slam_msgs::LandmarkMap& message
   try {
     landmarks_ = toLandmarkEstimates(message, parameters_.map_frame);
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "Rejected landmarks: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected landmarks: " << error.what());
   }
 }
 

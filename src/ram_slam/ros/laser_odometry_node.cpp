@@ -5,14 +5,9 @@
 
 #include "ram_slam/ros/conversions.hpp"
 
+#include "node_defaults.hpp"
+
 namespace ram_slam_ros {
-namespace {
-
-constexpr std::uint32_t kQueueSize = 200;
-constexpr double kWarnPeriodS = 5.0;
-
-}  // namespace
-
 LaserOdometryNode::LaserOdometryNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readLaserOdometryParameters(reader)),
       stage_(parameters_),
@@ -65,10 +60,10 @@ void LaserOdometryNode::processWaiting() {
 
 void LaserOdometryNode::publish(const ram_slam::LaserOdometryEstimate& estimate) {
   if (estimate.wheels_slipped)
-    ROS_WARN_THROTTLE(kWarnPeriodS, "The wheels slip: scans and odometry disagree");
+    ROS_WARN_THROTTLE(kLogPeriodS, "The wheels slip: scans and odometry disagree");
   if (estimate.wheels_stuck) {
     ROS_ERROR_THROTTLE(
-        kWarnPeriodS,
+        kLogPeriodS,
         "Odometry stuck: the scans show motion, the odometry none; check the encoders");
   }
   nav_msgs::Odometry message;

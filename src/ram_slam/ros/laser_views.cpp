@@ -10,21 +10,16 @@
 #include "ram_slam/ros/mounting.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
 
+#include "node_defaults.hpp"
+
 namespace ram_slam_ros {
-namespace {
-
-constexpr std::size_t kMostScans = 500;
-constexpr double kLogPeriodS = 5.0;
-
-}  // namespace
-
-LaserViews::LaserViews(std::string base_frame, const tf2_ros::Buffer& buffer)
-    : base_frame_(std::move(base_frame)), buffer_(buffer) {}
+LaserViews::LaserViews(std::string base_frame, const tf2_ros::Buffer& buffer, std::size_t most)
+    : base_frame_(std::move(base_frame)), buffer_(buffer), most_(most) {}
 
 void LaserViews::add(const sensor_msgs::LaserScanConstPtr& scan) {
   const std::lock_guard<std::mutex> lock(mutex_);
   scans_.push_back(scan);
-  if (scans_.size() > kMostScans) scans_.pop_front();
+  if (scans_.size() > most_) scans_.pop_front();
 }
 
 std::shared_ptr<const ram_slam::LaserView> LaserViews::at(std::int64_t stamp_ns) {

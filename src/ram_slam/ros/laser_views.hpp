@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -17,7 +18,8 @@ namespace ram_slam_ros {
 class LaserViews {
 public:
   /// \param buffer  where the lidar is mounted; outlives this
-  LaserViews(std::string base_frame, const tf2_ros::Buffer& buffer);
+  /// \param most  scans that are kept
+  LaserViews(std::string base_frame, const tf2_ros::Buffer& buffer, std::size_t most);
 
   void add(const sensor_msgs::LaserScanConstPtr& scan);
   /// Null if there is no scan of that stamp, or none of use.
@@ -26,6 +28,7 @@ public:
 private:
   std::string base_frame_;
   const tf2_ros::Buffer& buffer_;
+  std::size_t most_;
   std::mutex mutex_;
   std::deque<sensor_msgs::LaserScanConstPtr> scans_;
 };

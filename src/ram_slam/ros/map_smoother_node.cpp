@@ -10,13 +10,9 @@
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
 
+#include "node_defaults.hpp"
+
 namespace ram_slam_ros {
-namespace {
-
-constexpr std::uint32_t kQueueSize = 1000;  // scans arrive while it optimises
-
-}  // namespace
-
 MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readMapSmootherParameters(reader)),
       stage_(parameters_, matchers_.matchers()),
@@ -28,7 +24,6 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
                  {"corrections published", correction_count_}}};
       }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  constexpr bool kLatched = true;
   publisher_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, kLatched);
   status_publisher_ = node_.advertise<ram_slam_msgs::SmoothingStatus>("smoothing_status", 100);
   scan_subscriber_ = node_.subscribe("scan", kQueueSize, &MapSmootherNode::onScan, this, hints);

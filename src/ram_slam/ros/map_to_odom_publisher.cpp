@@ -8,20 +8,17 @@
 
 #include "ram_slam/ros/conversions.hpp"
 
+#include "node_defaults.hpp"
+
 namespace ram_slam_ros {
-namespace {
-
-constexpr auto kTick = std::chrono::milliseconds(4);
-constexpr std::int64_t kPeriodNs = 40'000'000;  // 25 Hz
-constexpr double kLogPeriodS = 5.0;
-constexpr double kMostSpeed_mps = 3.0;
-
-}  // namespace
-
 MapToOdomPublisher::MapToOdomPublisher(const ram_slam::Frames& frames,
+                                       const ram_slam::MapToOdomParameters& parameters,
                                        double ahead_s,
                                        const tf2_ros::Buffer& buffer)
-    : frames_(frames), ahead_ns_(static_cast<std::int64_t>(ahead_s * 1e9)), buffer_(buffer) {
+    : frames_(frames),
+      parameters_(parameters),
+      ahead_ns_(static_cast<std::int64_t>(ahead_s * 1e9)),
+      buffer_(buffer) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -45,7 +42,8 @@ std::optional<ram_slam::Pose2> MapToOdomPublisher::odometryBetween(std::int64_t 
           buffer_.lookupTransform(frames_.odom, frames_.base, toTime(stamp_ns)).transform);
     };
     const ram_slam::Pose2 moved = poseAt(from_ns).inverse() * poseAt(to_ns);
-    const double most_m = kMostSpeed_mps * 1e-9 * static_cast<double>(to_ns - from_ns);
+    const double most_m =
+        parameters_.maximum_speed_mps * 1e-9 * static_cast<double>(to_ns - from_ns);
     if (moved.translation().norm() > most_m) return std::nullopt;
     return moved;
   } catch (const tf2::TransformException&) {
@@ -67,7 +65,7 @@ void MapToOdomPublisher::run() {
       applyCorrection();
       publishIfDue();
     }
-    std::this_thread::sleep_for(kTick);
+    std::this_thread::sleep_for(std::chrono::duration<double>(parameters_.tick_s));
   }
 }
 
@@ -88,7 +86,8 @@ void MapToOdomPublisher::publishIfDue() {
   if (!map_from_odom_) return;
   const std::int64_t stamp_ns =
       std::max(toNanoseconds(ros::Time::now()), last_data_ns_) + ahead_ns_;
-  if (stamp_ns <= last_sent_ns_ || (!changed_ && stamp_ns < last_sent_ns_ + kPeriodNs)) return;
+  const auto period_ns = static_cast<std::int64_t>(parameters_.period_s * 1e9);
+  if (stamp_ns <= last_sent_ns_ || (!changed_ && stamp_ns < last_sent_ns_ + period_ns)) return;
   geometry_msgs::TransformStamped message;
   message.header.stamp = toTime(stamp_ns);
   message.header.frame_id = frames_.map;

@@ -20,7 +20,10 @@ namespace ram_slam_ros {
 class MapToOdomPublisher {
 public:
   /// \param ahead_s  how far ahead of now the transform is dated
-  MapToOdomPublisher(const ram_slam::Frames& frames, double ahead_s, const tf2_ros::Buffer& buffer);
+  MapToOdomPublisher(const ram_slam::Frames& frames,
+                     const ram_slam::MapToOdomParameters& parameters,
+                     double ahead_s,
+                     const tf2_ros::Buffer& buffer);
   ~MapToOdomPublisher();
   MapToOdomPublisher(const MapToOdomPublisher&) = delete;
   MapToOdomPublisher& operator=(const MapToOdomPublisher&) = delete;
@@ -43,6 +46,7 @@ private:
   void applyCorrection();
 
   ram_slam::Frames frames_;
+  ram_slam::MapToOdomParameters parameters_;
   std::int64_t ahead_ns_;
   const tf2_ros::Buffer& buffer_;
   tf2_ros::TransformBroadcaster broadcaster_;

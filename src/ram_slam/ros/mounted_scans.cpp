@@ -8,11 +8,12 @@
 #include "ram_slam/ros/mounting.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
 
+#include "node_defaults.hpp"
+
 namespace ram_slam_ros {
 namespace {
 
-constexpr double kMaxWaitS = 1.0;          // a static transform arrives within milliseconds
-constexpr std::size_t kMaxWaiting = 1000;  // 25 s of the fastest lidars
+constexpr double kMaxWaitS = 1.0;  // a static transform arrives within milliseconds
 
 }  // namespace
 
@@ -24,7 +25,7 @@ void MountedScans::add(const sensor_msgs::LaserScan& message, ram_slam::DropCoun
     drops.add(ram_slam::DropReason::kInvalidScan, stamp_ns, error.what());
     return;
   }
-  if (waiting_.size() <= kMaxWaiting) return;
+  if (waiting_.size() <= kQueueSize) return;
   drops.add(ram_slam::DropReason::kQueueFull, waiting_.front().scan.stamp_ns, "scan");
   waiting_.pop_front();
 }

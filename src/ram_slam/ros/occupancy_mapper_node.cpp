@@ -2,7 +2,6 @@
 #include "occupancy_mapper_node.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <utility>
@@ -12,23 +11,9 @@
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
 
+#include "node_defaults.hpp"
+
 namespace ram_slam_ros {
-namespace {
-
-constexpr std::size_t kMaxWaiting = 1000;  // 25 s of the fastest lidars
-constexpr double kWaitingPollS = 0.02;
-constexpr double kSilenceReportS = 5.0;
-constexpr double kWarnPeriodS = 5.0;
-constexpr std::uint32_t kQueueSize = 100;
-
-std::string expandHome(const std::string& path) {
-  const char* home = std::getenv("HOME");
-  if (home == nullptr || (path != "~" && path.compare(0, 2, "~/") != 0)) return path;
-  return home + path.substr(1);
-}
-
-}  // namespace
-
 OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readOccupancyMapperParameters(reader)),
       stage_(parameters_),
@@ -38,7 +23,6 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
         return {stage_.drops(), {{"scans in the map", static_cast<double>(stage_.scanCount())}}};
       }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  constexpr bool kLatched = true;
   map_publisher_ = node_.advertise<nav_msgs::OccupancyGrid>("map", 1, kLatched);
   metadata_publisher_ = node_.advertise<nav_msgs::MapMetaData>("map_metadata", 1, kLatched);
   update_publisher_ = node_.advertise<map_msgs::OccupancyGridUpdate>("map_updates", kQueueSize);
@@ -58,9 +42,9 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
                                      [this](const auto&) { publishMap(); });
   update_timer_ = node_.createTimer(ros::Duration(parameters_.update_period_s),
                                     [this](const auto&) { publishUpdate(); });
-  waiting_timer_ = node_.createWallTimer(ros::WallDuration(kWaitingPollS),
+  waiting_timer_ = node_.createWallTimer(ros::WallDuration(parameters_.waiting_poll_s),
                                          [this](const auto&) { mapWaiting(); });
-  silence_timer_ = node_.createWallTimer(ros::WallDuration(kSilenceReportS),
+  silence_timer_ = node_.createWallTimer(ros::WallDuration(parameters_.silence_report_s),
                                          [this](const auto&) { reportSilence(); });
   ROS_INFO_STREAM("Mapping " << scan_subscriber_.getTopic() << " at " << parameters_.resolution
                              << " m into " << map_publisher_.getTopic() << " in frame "
@@ -101,7 +85,7 @@ void OccupancyMapperNode::mapWaiting() {
 
 bool OccupancyMapperNode::map(const ram_slam::MountedScan& scan, double waited_s) {
   const std::int64_t stamp_ns = scan.scan.stamp_ns;
-  const bool waits = waited_s <= parameters_.transform_timeout_s && waiting_.size() <= kMaxWaiting;
+  const bool waits = waited_s <= parameters_.transform_timeout_s && waiting_.size() <= kQueueSize;
   const auto knows = [&](std::int64_t at_ns) {
     return transforms_.canTransform(parameters_.map_frame, parameters_.base_frame, toTime(at_ns),
                                     ros::Duration(0.0), &last_problem_);
@@ -155,7 +139,7 @@ void OccupancyMapperNode::onTrajectory(const nav_msgs::Path& message) {
     ROS_INFO_STREAM("Corrected the map along " << correction_subscriber_.getTopic() << ": "
                                                << moved_count << " scans moved");
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "Did not follow a trajectory: " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Did not follow a trajectory: " << error.what());
   }
   publishMap();
 }
@@ -177,10 +161,10 @@ ram_slam::GridChange OccupancyMapperNode::refreshGrid() {
   }
   const ram_slam::BeamCounts drawn = stage_.draw();
   if (drawn.hit + drawn.cleared == 0 && drawn.too_close + drawn.invalid > 0) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "No usable reading on "
-                                               << scan_subscriber_.getTopic() << ": "
-                                               << drawn.too_close << " too close, " << drawn.invalid
-                                               << " invalid");
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "No usable reading on " << scan_subscriber_.getTopic()
+                                                                  << ": " << drawn.too_close
+                                                                  << " too close, " << drawn.invalid
+                                                                  << " invalid");
   }
   const ram_slam::GridChange change = stage_.mapper().refresh(grid_, grid_revision_);
   grid_revision_ = stage_.mapper().revision();
@@ -229,7 +213,7 @@ bool OccupancyMapperNode::onSaveMap(ram_slam_msgs::SaveMap::Request& request,
                                     ram_slam_msgs::SaveMap::Response& response) {
   const std::lock_guard one_at_a_time(save_mutex_);
   try {
-    const std::string folder = expandHome(parameters_.map_folder);
+    const std::string folder = ram_slam::expandHome(parameters_.map_folder);
     const std::string stem = ram_slam::pathInFolder(folder, request.name);
     const ram_slam::OccupancyGrid grid = wholeGrid();
     if (grid.width == 0) throw std::runtime_error("there is no map yet");
@@ -259,11 +243,11 @@ bool OccupancyMapperNode::onReset(std_srvs::Trigger::Request&,
 void OccupancyMapperNode::reportSilence() {
   const std::lock_guard lock(map_mutex_);
   if (received_count_ == 0) {
-    ROS_WARN_STREAM_THROTTLE(6 * kSilenceReportS, "No scan on " << scan_subscriber_.getTopic()
-                                                                << " for " << kSilenceReportS
-                                                                << " s");
+    ROS_WARN_STREAM_THROTTLE(6 * parameters_.silence_report_s,
+                             "No scan on " << scan_subscriber_.getTopic() << " for "
+                                           << parameters_.silence_report_s << " s");
   } else if (!ever_mapped_) {
-    ROS_WARN_STREAM_THROTTLE(6 * kSilenceReportS,
+    ROS_WARN_STREAM_THROTTLE(6 * parameters_.silence_report_s,
                              "Scans arrive, but none could be mapped: " << last_problem_);
   }
   received_count_ = 0;

@@ -5,11 +5,10 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 
+#include "node_defaults.hpp"
+
 namespace ram_slam_ros {
 namespace {
-
-constexpr double kPeriodS = 1.0;  // REP 107: diagnostics at 1 Hz
-constexpr double kLogPeriodS = 5.0;
 
 std::string seconds(std::int64_t stamp_ns) {
   char text[32];
@@ -51,7 +50,8 @@ void DropLog::log(const ram_slam::DropCounter& drops, const std::string& input) 
 StageDiagnostics::StageDiagnostics(std::string stage, std::function<Report()> report)
     : stage_(std::move(stage)), report_(std::move(report)) {
   publisher_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
-  timer_ = node_.createWallTimer(ros::WallDuration(kPeriodS), [this](const auto&) { publish(); });
+  timer_ = node_.createWallTimer(ros::WallDuration(kDiagnosticsPeriodS),
+                                 [this](const auto&) { publish(); });
 }
 
 void StageDiagnostics::publish() {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world_map_node.hpp"
 
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <stdexcept>
@@ -11,20 +10,13 @@
 #include "ram_slam/ros/occupancy_conversions.hpp"
 #include "ram_slam/world_map/world_map_file.hpp"
 
+#include "node_defaults.hpp"
 #include "world_map_conversions.hpp"
 
 namespace ram_slam_ros {
 namespace {
 
-constexpr double kWarnPeriodS = 5.0;
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31;
 constexpr const char* kExtension = ".world";
-
-std::string expandHome(const std::string& path) {
-  const char* home = std::getenv("HOME");
-  if (home == nullptr || (path != "~" && path.compare(0, 2, "~/") != 0)) return path;
-  return home + path.substr(1);
-}
 
 /// A grid in the map frame itself is a local one whose frame is the map.
 ram_slam::LocalOccupancy toOccupancyOfWholeMap(const nav_msgs::OccupancyGrid& message) {
@@ -86,8 +78,8 @@ void WorldMapNode::store(const Message& message, const Convert& convert) {
     const std::lock_guard lock(map_mutex_);
     map_.put(std::move(part));
   } catch (const std::exception& error) {
-    ROS_WARN_STREAM_THROTTLE(kWarnPeriodS, "Refused a " << ros::message_traits::datatype<Message>()
-                                                        << ": " << error.what());
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Refused a " << ros::message_traits::datatype<Message>()
+                                                       << ": " << error.what());
   }
 }
 
@@ -97,7 +89,7 @@ ram_slam::WorldMap WorldMapNode::snapshot() {
 }
 
 std::string WorldMapNode::pathOf(const std::string& name) const {
-  return ram_slam::pathInFolder(expandHome(parameters_.map_folder), name) + kExtension;
+  return ram_slam::pathInFolder(ram_slam::expandHome(parameters_.map_folder), name) + kExtension;
 }
 
 bool WorldMapNode::onGetRegion(ram_slam_msgs::GetRegion::Request& request,
@@ -120,7 +112,7 @@ bool WorldMapNode::onSaveMap(ram_slam_msgs::SaveMap::Request& request,
     const std::string path = pathOf(request.name);
     const ram_slam::WorldMap map = snapshot();
     if (map.empty()) throw std::runtime_error("there is no map yet");
-    std::filesystem::create_directories(expandHome(parameters_.map_folder));
+    std::filesystem::create_directories(ram_slam::expandHome(parameters_.map_folder));
     ram_slam::writeFileAtomically(path, ram_slam::toBytes(map));
     response.success = true;
     response.message = "saved " + path;
@@ -140,7 +132,7 @@ bool WorldMapNode::onLoadMap(ram_slam_msgs::LoadMap::Request& request,
     const std::string path = pathOf(request.name);
     ram_slam::WorldMap map;
     try {
-      map = ram_slam::worldMapFromBytes(ram_slam::readWholeFile(path, kMaxFileBytes));
+      map = ram_slam::worldMapFromBytes(ram_slam::readWholeFile(path));
     } catch (const std::system_error&) {
       throw;  // names the file itself
     } catch (const std::runtime_error& error) {

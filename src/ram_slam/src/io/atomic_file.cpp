@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
@@ -144,6 +145,12 @@ std::string pathInFolder(const std::string& folder, const std::string& name) {
         name.substr(0, kMaxNameLength) + "'");
   }
   return (std::filesystem::path(folder) / name).string();
+}
+
+std::string expandHome(const std::string& path) {
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || (path != "~" && path.compare(0, 2, "~/") != 0)) return path;
+  return home + path.substr(1);
 }
 
 }  // namespace ram_slam

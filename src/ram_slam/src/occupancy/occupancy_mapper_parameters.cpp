@@ -68,9 +68,13 @@ void addNodeRows(ParameterTable<P>& table) {
            "Between publications of what changed.")
       .add("transform_timeout_s", &P::transform_timeout_s, "s", within(0.0, 60.0),
            "How long a scan waits for its pose, wall time.")
-      .add(
-          "follow_trajectory", &P::follow_trajectory,
-          "Draw the map again along every `trajectory` of the estimator, not only corrected ones.");
+      .add("follow_trajectory", &P::follow_trajectory,
+           "Draw the map again along every `trajectory` of the estimator, not only corrected ones.")
+      .expert("Node: details")
+      .add("waiting_poll_s", &P::waiting_poll_s, "s", within(0.001, 10.0),
+           "How often is checked whether the pose of a waiting scan is known, wall time.")
+      .add("silence_report_s", &P::silence_report_s, "s", within(0.1, 3600.0),
+           "A warning is logged after so much wall time without a scan.");
 }
 
 }  // namespace

@@ -50,6 +50,10 @@ LandmarkSmootherParameters::table() {
           .add("attempt_count", &P::attempt_count, "", atLeast(0),
                "Attempts to agree better with a landmark left out or a part of the drive shifted; "
                "each takes three rounds.")
+          .expert("Node")
+          .add("motion_patience_s", &P::motion_patience_s, "s", atLeast(0.0),
+               "Features whose motion is unknown are left out once features so much newer have "
+               "arrived.")
           .expert("Least squares")
           .add("rounds_between_revisions", &P::rounds_between_revisions, "", atLeast(1),
                "After so many rounds landmarks are removed and made.")

@@ -5,6 +5,11 @@
 
 namespace ram_slam {
 
+using ram_parameters::aboveUpTo;
+using ram_parameters::atLeast;
+using ram_parameters::positive;
+using ram_parameters::within;
+
 const ram_parameters::ParameterTable<Frames>& Frames::table() {
   static const auto table =
       ram_parameters::ParameterTable<Frames>()
@@ -16,10 +21,53 @@ const ram_parameters::ParameterTable<Frames>& Frames::table() {
   return table;
 }
 
+const ram_parameters::ParameterTable<MapToOdomParameters>& MapToOdomParameters::table() {
+  using P = MapToOdomParameters;
+  static const auto table =
+      ram_parameters::ParameterTable<P>()
+          .add("period_s", &P::period_s, "s", within(0.001, 10.0),
+               "Longest time between two transforms map_frame -> odom_frame.")
+          .add("tick_s", &P::tick_s, "s", within(0.001, 1.0),
+               "How often is checked whether the transform is due.")
+          .add("maximum_speed_mps", &P::maximum_speed_mps, "m/s", positive(),
+               "A faster motion of odom_frame -> base_frame is a jump of the odometry's origin.");
+  return table;
+}
+
+const ram_parameters::ParameterTable<WaitingParameters>& WaitingParameters::table() {
+  using P = WaitingParameters;
+  static const auto table =
+      ram_parameters::ParameterTable<P>()
+          .add("queue_size", &P::queue_size, "", within(1, 100000),
+               "Lists of features that wait at most, and scans that are kept for them.")
+          .add("motion_s", &P::motion_s, "s", within(0.0, 60.0),
+               "How long a list waits for the motion up to it.")
+          .add("interrupted_s", &P::interrupted_s, "s", within(0.0, 60.0),
+               "The same while the odometry is known to be interrupted.")
+          .add("first_retry_s", &P::first_retry_s, "s", within(0.0001, 10.0),
+               "Pause before the motion is requested again; each pause is twice the one before ...")
+          .add("longest_retry_s", &P::longest_retry_s, "s", within(0.0001, 10.0), "... up to this.")
+          .add("service_s", &P::service_s, "s", within(0.0, 60.0),
+               "How long a service call or an initial pose waits for the estimator.")
+          .add("silence_s", &P::silence_s, "s", positive(),
+               "Time without features after which /diagnostics warns.");
+  return table;
+}
+
+const ram_parameters::ParameterTable<LandmarkMarkerParameters>& LandmarkMarkerParameters::table() {
+  using P = LandmarkMarkerParameters;
+  static const auto table =
+      ram_parameters::ParameterTable<P>()
+          .add("ellipse_sigmas", &P::ellipse_sigmas, "", positive(),
+               "Standard deviations that the ellipse of a landmark shows.")
+          .add("least_diameter_m", &P::least_diameter_m, "m", positive(),
+               "Smaller ellipses could not be seen.")
+          .add("height_m", &P::height_m, "m", positive(), "Height of an ellipse.");
+  return table;
+}
+
 const ram_parameters::ParameterTable<FastSlamNodeParameters>& FastSlamNodeParameters::table() {
   using P = FastSlamNodeParameters;
-  using ram_parameters::aboveUpTo;
-  using ram_parameters::atLeast;
   static const auto table =
       ram_parameters::ParameterTable<P>()
           .heading("How the node is wired")
@@ -45,7 +93,18 @@ const ram_parameters::ParameterTable<FastSlamNodeParameters>& FastSlamNodeParame
                "working directory, ~/.ros under roslaunch; empty: none. (docs/fast_slam.md)")
           .add("checkpoint_period", &P::checkpoint_period, "s", aboveUpTo(0.0, 3600.0),
                "Least time between two checkpoints.")
-          .include(&P::readings, EstimatorStageParameters::table());
+          .include(&P::readings, EstimatorStageParameters::table())
+          .expert("Node: details")
+          .add("initial_sigma_m", &P::initial_sigma_m, "m", positive(),
+               "Least standard deviation per axis of an initial pose: a click is no more exact.")
+          .add("initial_sigma_rad", &P::initial_sigma_rad, "rad", positive(), "Of its yaw.")
+          .include(&P::logged_correction,
+                   motionGateTable("A smoothed trajectory that moves the pose by so much is "
+                                   "logged: consumers see it jump."),
+                   "logged_correction_")
+          .section("waiting", &P::waiting, WaitingParameters::table())
+          .section("map_to_odom", &P::map_to_odom, MapToOdomParameters::table())
+          .section("markers", &P::markers, LandmarkMarkerParameters::table());
   return table;
 }
 

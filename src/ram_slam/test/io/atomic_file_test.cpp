@@ -2,6 +2,7 @@
 #include "ram_slam/io/atomic_file.hpp"
 
 #include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -109,6 +110,15 @@ TEST(PathInFolder, TakesPlainNamesOnly) {
         std::string("a\0b", 3), std::string(101, 'a'), std::string(5000, 'a')}) {
     EXPECT_THROW(pathInFolder("/maps", name), std::invalid_argument) << name;
   }
+}
+
+TEST(ExpandHome, ReplacesALeadingTildeByTheHomeFolder) {
+  const char* home = std::getenv("HOME");
+  ASSERT_NE(home, nullptr);
+  EXPECT_EQ(expandHome("~"), home);
+  EXPECT_EQ(expandHome("~/maps"), std::string(home) + "/maps");
+  for (const char* other : {"/maps", "maps", "", "~other/maps", "maps/~"})
+    EXPECT_EQ(expandHome(other), other);
 }
 
 }  // namespace

@@ -13,14 +13,20 @@ namespace ram_slam {
 /// permission, no such folder ...)
 void writeFileAtomically(const std::string& path, const std::string& content);
 
+/// No file of a map is larger: 2 GiB, so that a wrong path does not fill the memory.
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31;
+
 /// The whole content of a file.
 /// \throws std::system_error naming the file and the system's reason
 /// \throws std::length_error if it is longer than `max_bytes`
-std::string readWholeFile(const std::string& path, std::size_t max_bytes);
+std::string readWholeFile(const std::string& path, std::size_t max_bytes = kMaxFileBytes);
 
 /// `folder/name`, for a name that came over the wire: letters, digits, '_', '-' and '.', 1 to 100
 /// of them, not starting with '.'. So the result lies in the folder. \throws std::invalid_argument
 /// for any other name
 std::string pathInFolder(const std::string& folder, const std::string& name);
+
+/// The path with a leading `~` replaced by the home folder, if there is one.
+std::string expandHome(const std::string& path);
 
 }  // namespace ram_slam

@@ -22,6 +22,7 @@ struct PerturbationParameters {
 struct LandmarkSmootherParameters {
   std::string map_frame = "map";         ///< frame of the estimator's trajectory and landmarks
   std::string base_frame = "base_link";  ///< frame of the features
+  double motion_patience_s = 2.0;        ///< by the stamps of newer features
 
   double reading_share = 0.2;      ///< share of a feature's information that is new, (0, 1]: errors
                                    ///< of successive readings are alike

@@ -8,6 +8,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "ram_slam/landmarks/landmark_map.hpp"
+#include "ram_slam/stages/fast_slam_node_parameters.hpp"
 
 namespace ram_slam_ros {
 
@@ -19,9 +20,10 @@ ram_slam_msgs::LandmarkMap toLandmarkMapMessage(const ram_slam::LandmarkMap& map
 std::vector<ram_slam::LandmarkEstimate> toLandmarkEstimates(
     const ram_slam_msgs::LandmarkMap& message, const std::string& frame_id);
 
-/// For rviz: the 2-sigma ellipse of every landmark, faint while its existence is in doubt. Replaces
+/// For rviz: the ellipse of every landmark, faint while its existence is in doubt. Replaces
 /// all earlier ones.
 visualization_msgs::MarkerArray toMarkers(const ram_slam::LandmarkMap& map,
-                                          const std::string& frame_id);
+                                          const std::string& frame_id,
+                                          const ram_slam::LandmarkMarkerParameters& parameters);
 
 }  // namespace ram_slam_ros
