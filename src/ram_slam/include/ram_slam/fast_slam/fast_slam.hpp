@@ -52,12 +52,12 @@ public:
                     const PoseWithCovariance2& map_from_base = {});
 
   /// Takes in the features of one reading, moving the robot to its stamp first. If it throws
-  /// nothing has changed. \param view  what the sensor could have seen in that reading; without it
-  /// no landmark is found missing
-  /// \throws std::invalid_argument if the list is older than the last
-  /// one or a feature is not finite or its covariance
-  ///         not symmetric and positive definite
+  /// nothing has changed.
   /// \param step  the motion since stamp_ns(), anything before the first list
+  /// \param view  what the sensor could have seen in that reading; without it no landmark is found
+  /// missing
+  /// \throws std::invalid_argument if the list is older than the last one, or a feature is not
+  /// finite or its covariance not symmetric and positive definite
   /// \throws std::out_of_range as MotionModel::sample() (fast_slam_1)
   void update(const FeatureList& list, const MotionStep& step, const FieldOfView* view = nullptr);
   /// The same, asking the model for the motion. \throws std::out_of_range as MotionModel::motion()

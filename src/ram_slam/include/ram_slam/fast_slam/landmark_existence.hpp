@@ -21,8 +21,8 @@ public:
                     const std::vector<double>& weights);
 
   /// Updates the log-odds of all landmarks from one reading and clears their matched_weight.
-  /// \param view  what the sensor could have seen; null: a landmark that was not found loses
-  /// nothing \param map_from_base  where the robot is
+  /// \param view  what the sensor could have seen; null: landmarks that were not found lose nothing
+  /// \param map_from_base  where the robot is
   /// \returns the landmarks whose log-odds fell below delete_log_odds
   std::vector<LandmarkId> update(LandmarkRegistry& registry,
                                  const FieldOfView* view,

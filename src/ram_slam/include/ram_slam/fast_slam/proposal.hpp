@@ -14,8 +14,8 @@
 
 namespace ram_slam {
 
-/// The distribution from which FastSLAM samples poses, and what follows from its choice: all in
-/// which versions 1.0 and 2.0 differ.
+/// The distribution from which FastSLAM samples poses, and what depends on it: everything in which
+/// versions 1.0 and 2.0 differ.
 class Proposal {
 public:
   virtual ~Proposal() = default;

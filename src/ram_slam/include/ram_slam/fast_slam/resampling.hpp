@@ -9,7 +9,7 @@
 namespace ram_slam {
 
 /// Weights proportional to exp(log_weights) with sum 1. If all are -infinity or any is NaN they
-/// come out equal: then the weights say nothing. (An empty vector gives an empty one.)
+/// come out equal: then the weights carry no information. (An empty vector gives an empty one.)
 std::vector<double> normalisedWeights(const std::vector<double>& log_weights);
 
 /// 1 / sum of squares of weights that sum to 1: between 1 (one particle has it all) and their

@@ -22,7 +22,7 @@ public:
   /// is buffered
   virtual PoseWithCovariance2 motion(std::int64_t from_ns, std::int64_t to_ns) const = 0;
 
-  /// Each pose moved by a motion of its own drawn from the model; the same seed gives the same
+  /// Each pose moved by a motion of its own, sampled from the model; the same seed gives the same
   /// poses. \throws as motion()
   virtual std::vector<Pose2> sample(const std::vector<Pose2>& map_from_base,
                                     std::int64_t from_ns,
