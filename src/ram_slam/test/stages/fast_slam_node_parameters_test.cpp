@@ -59,5 +59,18 @@ TEST(FastSlamNodeParameters, NameTheSectionOfWhatIsRefused) {
   EXPECT_THAT(refusalOf("{node: {map_fram: map}}"), testing::HasSubstr("map_frame"));
 }
 
+TEST(FastSlamNodeParameters, OfExpertsAreInSections) {
+  const FastSlamNodeParameters p = read(
+      "{node: {logged_correction_distance_m: 0.5, waiting: {queue_size: 7, motion_s: 2.0}, "
+      "map_to_odom: {period_s: 0.02}, markers: {height_m: 0.1}}}");
+  EXPECT_EQ(p.logged_correction.distance_m, 0.5);
+  EXPECT_EQ(p.waiting.queue_size, 7);
+  EXPECT_EQ(p.waiting.motion_s, 2.0);
+  EXPECT_EQ(p.map_to_odom.period_s, 0.02);
+  EXPECT_EQ(p.markers.height_m, 0.1);
+  EXPECT_THAT(refusalOf("{node: {waiting: {queue_size: 0}}}"),
+              testing::HasSubstr("node/waiting/queue_size must be"));
+}
+
 }  // namespace
 }  // namespace ram_slam
