@@ -19,7 +19,7 @@ namespace {
 using namespace ramscout_bringup;  // NOLINT(google-build-using-namespace): a program about this
                                    // library
 
-constexpr double kDegrees = 180.0 / M_PI;
+constexpr double kDegrees = 180.0 / M_PI;  // in a radian
 
 struct Row {
   std::string name;

@@ -49,7 +49,7 @@ std::unique_ptr<ramscout_bringup::Recording> open(const Options& options) {
 }
 
 void feed(ramscout_bringup::Recording& recording, ramscout_bringup::SlamPipeline& pipeline) {
-  constexpr unsigned long kSteps = 100;
+  constexpr unsigned long kSteps = 100;  // percent
   boost::timer::progress_display bar(kSteps, std::cout);
   while (auto reading = recording.next()) {
     std::visit([&](auto&& value) { pipeline.add(std::move(value)); }, std::move(*reading));

@@ -17,9 +17,7 @@
 namespace ramscout_bringup_ros {
 namespace {
 
-constexpr double kFinished = 1.0 - 1e-6;
-constexpr double kPollPeriodS = 0.05;
-constexpr std::int64_t kLastPathLagNs = 1500000000;
+constexpr double kFinished = 1.0 - 1e-6;  // progress is published as a 32-bit float
 
 ram_slam::StampedPose2 toStampedPose(const std_msgs::Header& header,
                                      const geometry_msgs::Pose& pose) {
@@ -128,7 +126,7 @@ void ResultsRecorder::waitForTour() {
     if (!ros::ok() || (ros::WallTime::now() - last_news).toSec() > allowed_s) {
       throw std::runtime_error("the tour does not continue; no message on: " + silentTopics());
     }
-    ros::WallDuration(kPollPeriodS).sleep();
+    ros::WallDuration(parameters_.poll_period_s).sleep();
   }
 }
 
@@ -143,7 +141,7 @@ void ResultsRecorder::waitForSilence() {
       last_news = ros::WallTime::now();
       allowed_s = parameters_.silence_timeout_s;
     }
-    ros::WallDuration(kPollPeriodS).sleep();
+    ros::WallDuration(parameters_.poll_period_s).sleep();
   }
 }
 
@@ -153,13 +151,13 @@ void ResultsRecorder::waitForLastMessages() {
   const auto complete = [this] {
     return map_ && landmarks_ && path_ && !path_->poses.empty() && !online_.empty() &&
            online_.back().stamp_ns - ram_slam_ros::toNanoseconds(path_->poses.back().header.stamp) <
-               kLastPathLagNs &&
+               parameters_.last_path_lag_ns &&
            online_.back().stamp_ns - ram_slam_ros::toNanoseconds(map_->header.stamp) <
-               kLastPathLagNs;
+               parameters_.last_path_lag_ns;
   };
   while (ros::ok() && !complete() && ros::WallTime::now() < deadline) {
     ros::spinOnce();
-    ros::WallDuration(kPollPeriodS).sleep();
+    ros::WallDuration(parameters_.poll_period_s).sleep();
   }
   const std::string silent = silentTopics();
   if (!silent.empty())

@@ -32,6 +32,9 @@ struct ResultsRecorderParameters {
   double silence_timeout_s = 60.0;
   double settle_time_s =
       10.0;  ///< wall time to wait for the last map and trajectory after the tour
+  double poll_period_s = 0.05;  ///< wall time between two checks of what has arrived
+  /// The last map and the last trajectory end at most so long before the last pose.
+  std::int64_t last_path_lag_ns = 1'500'000'000;
 
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
