@@ -128,7 +128,7 @@ std::vector<float> gaussians(Random key, std::size_t count) {
   const std::uint64_t stream_bits = key.bits();
   std::vector<float> numbers(blocks * per_block);
   for (std::size_t block = 0; block < blocks; ++block) {
-    Counters c;
+    Counters c;  // NOLINT(cppcoreguidelines-pro-type-member-init): every field is set below
     for (std::size_t j = 0; j < kBlock; ++j)
       c.x0[j] = static_cast<std::uint32_t>(block * kBlock + j);
     c.x1.fill(0);

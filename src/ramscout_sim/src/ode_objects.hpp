@@ -25,9 +25,8 @@ public:
     std::swap(id_, other.id_);
     return *this;
   }
-  operator Id() const {
-    return id_;
-  }  // NOLINT(google-explicit-constructor): stands for the id in ODE's calls
+  // NOLINTNEXTLINE(google-explicit-constructor): stands for the id in ODE's calls
+  operator Id() const { return id_; }
 
 private:
   Id id_ = nullptr;

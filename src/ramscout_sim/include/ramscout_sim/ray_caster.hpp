@@ -23,8 +23,8 @@ struct Ray {
 struct Rays {
   Rays() = default;
   explicit Rays(std::size_t count);
-  Rays(const std::vector<Ray>&
-           rays);  // NOLINT(google-explicit-constructor): the same in other order
+  // NOLINTNEXTLINE(google-explicit-constructor): the same in another order
+  Rays(const std::vector<Ray>& rays);
 
   std::size_t size() const { return static_cast<std::size_t>(origins_m.rows()); }
   Ray operator[](std::size_t index) const;
