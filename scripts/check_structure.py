@@ -14,6 +14,8 @@ ROOT = Path(__file__).resolve().parent.parent
 MOST_LINES = 400
 MOST_FUNCTION_LINES = 60
 MOST_FUNCTION_LINES_P95 = 30
+MOST_CONSTANTS = 150  # in sources; what tunes behaviour is a parameter
+CONSTANT = re.compile(r"^\s*(?:static |inline )*(?:constexpr|const) [\w:<>, ]+ k[A-Z]\w*(?:\[\w*\])? ?[={]", re.M)
 ROS = re.compile(r'#include [<"](ros/|rosbag/|tf2|pluginlib/|\w+_msgs/|std_srvs/)')
 SLAM = re.compile(r"\b(ram_slam|ramscout_kinematics|ramscout_feature_detector)(/|::|</)")
 # Floors of ram_slam, lowest first: a folder may include its own and lower floors.
@@ -109,6 +111,9 @@ def main():
     files = [name for name in files if (ROOT / name).is_file()]
     code = [name for name in files if re.fullmatch(r"src/\w+/(include|src|ros|apps)/.*\.(hpp|cpp)", name)]
     findings = list(function_findings(code))
+    constants = sum(len(CONSTANT.findall((ROOT / name).read_text())) for name in code if name.endswith(".cpp"))
+    if constants > MOST_CONSTANTS:
+        findings.append("%d constants in sources, at most %d" % (constants, MOST_CONSTANTS))
     for name in files:
         findings += boundary_findings(name)
         findings += untested_findings(name)
