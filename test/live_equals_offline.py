@@ -261,7 +261,7 @@ class LiveEqualsOffline(unittest.TestCase):
                      if math.dist(live.poses[stamp_us], offline[stamp_us]) > TOLERANCE_M]
         self.assertLessEqual(worst_m, TOLERANCE_M, "at %.6f s; %d poses differ, the first ones at %s us"
                              % (1e-6 * worst_us, len(different), different[:3]))
-        dropped = {stage: {row["reason"]: row["count"] for row in summary["dropped"][stage]}
+        dropped = {stage: {row["reason"]: row["count"] for row in summary["left_out"][stage]}
                    for stage in STAGES.values()}
         self.assertEqual(dropped["odometry"], {"stamp not later than the one before": 2})
         self.assertTrue(wait_until(lambda: live.dropped == dropped, 5.0), "%s, offline %s" % (live.dropped, dropped))

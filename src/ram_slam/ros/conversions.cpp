@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -12,7 +13,11 @@ namespace ram_slam_ros {
 namespace {
 
 constexpr std::size_t kMaxFeatures = 1000;
-constexpr double kLongestSweepS = 1.0;  // a longer one is no sweep but nonsense
+constexpr double kLongestSweepS = 1.0;      // a longer one is no sweep but nonsense
+constexpr float kLeastRangeM = 0.001F;      // drivers that count millimetres put 0 for "no reading"
+constexpr float kFarthestRangeM = 1000.0F;  // no lidar on a robot: the driver names no limit
+constexpr float kLimitShare = 1.0F - 1e-4F;  // range_max, as far as floats and millimetres resolve
+constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr double kSymmetryTolerance = 1e-6;
 constexpr int kPlanar[] = {0, 1, 5};                 // x, y and yaw among x, y, z, roll, pitch, yaw
 constexpr std::int64_t kMaxDelayNs = 1'000'000'000;  // of a feature after its list
@@ -106,19 +111,40 @@ geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(
   return message;
 }
 
+double sweep_s(const sensor_msgs::LaserScan& message) {
+  return static_cast<double>(message.time_increment) * static_cast<double>(message.ranges.size());
+}
+
+bool isPlausibleSweep(double sweep_s) {
+  return sweep_s > 0.0 && sweep_s <= kLongestSweepS;
+}
+
+bool hasRangeLimit(const sensor_msgs::LaserScan& message) {
+  return message.range_max != 0.0F && !(message.range_max > kFarthestRangeM);
+}
+
+std::size_t countAtLimit(const sensor_msgs::LaserScan& message) {
+  if (!hasRangeLimit(message)) return 0;
+  return static_cast<std::size_t>(
+      std::count_if(message.ranges.begin(), message.ranges.end(), [&](float range_m) {
+        return range_m >= kLimitShare * message.range_max && std::isfinite(range_m);
+      }));
+}
+
 ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message) {
   if (message.header.stamp.isZero()) throw std::invalid_argument("scan without a stamp");
   ram_slam::LaserScan scan;
   scan.stamp_ns = toNanoseconds(message.header.stamp);
   scan.angle_min_rad = message.angle_min;
   scan.angle_increment_rad = message.angle_increment;
-  const double sweep_s =
-      static_cast<double>(message.time_increment) * static_cast<double>(message.ranges.size());
-  const bool sweep_known = sweep_s > 0.0 && sweep_s <= kLongestSweepS;
-  scan.time_increment_s = sweep_known ? message.time_increment : 0.0;
-  scan.range_min_m = message.range_min;
-  scan.range_max_m = message.range_max;
+  scan.time_increment_s = isPlausibleSweep(sweep_s(message)) ? message.time_increment : 0.0;
   scan.ranges_m = message.ranges;
+  const bool has_limit = hasRangeLimit(message);
+  scan.range_max_m = has_limit ? message.range_max : ram_slam::LaserScan::kUnlimitedRangeM;
+  scan.range_min_m = std::max(message.range_min, kLeastRangeM);
+  // Several drivers (LMS1xx, Stage, Gazebo) put the limit where nothing came back.
+  for (float& range_m : scan.ranges_m)
+    if (has_limit && range_m >= kLimitShare * message.range_max) range_m = kNothing;
   scan.validate();
   return scan;
 }

@@ -65,6 +65,10 @@ void addRows(const std::string& pairs, const RelationErrors& errors, std::vector
 std::vector<Row> againstTruth(const Trajectory& estimate, const std::string& truth_path) {
   const Trajectory truth = readTrajectory(truth_path);
   const TruthComparison comparison = compareWithTruth(estimate, truth);
+  if (comparison.without_truth_count > 0) {
+    std::printf("%zu of %zu poses left out: the truth has no pose around their stamps\n",
+                comparison.without_truth_count, estimate.size());
+  }
   std::vector<Row> rows{{"absolute, aligned (ATE): position", "m", 1.0, comparison.position_m},
                         {"absolute, aligned (ATE): yaw", "deg", kDegrees, comparison.yaw_rad}};
   for (const RelativeError& row : relativeErrors(estimate, truth, {1.0, 5.0}, {10.0})) {

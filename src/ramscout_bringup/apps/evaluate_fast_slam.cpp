@@ -16,7 +16,7 @@
 #include "ramscout_bringup/trajectory_file.hpp"
 
 #include "../benchmark/filter_score.hpp"
-#include "../ros/bag_recording.hpp"
+#include "../ros/ros_recording.hpp"
 
 namespace {
 
@@ -25,7 +25,7 @@ using namespace ramscout_bringup;
 /// What the detector and laser odometry make of a recording; the same for every setting of the
 /// filter.
 std::vector<FilterStep> prepare(const std::string& bag, const SlamParameters& parameters) {
-  ramscout_bringup_ros::BagRecording recording(bag, {});
+  ramscout_bringup_ros::RosRecording recording(ramscout_bringup_ros::openBag(bag), {});
   Trajectory wheels;
   std::vector<ram_slam::MountedScan> scans;
   while (auto reading = recording.next()) {

@@ -18,10 +18,10 @@
 #include <sys/resource.h>
 
 #include "ram_slam/io/atomic_file.hpp"
-#include "ramscout_bringup/carmen_recording.hpp"
 #include "ramscout_bringup/slam_pipeline.hpp"
 
-#include "../ros/bag_recording.hpp"
+#include "../ros/recording_options.hpp"
+#include "../ros/ros_recording.hpp"
 
 namespace {
 
@@ -38,15 +38,8 @@ struct Options {
   bool no_smoothing = false;
   bool live_settings = false;
   std::string estimator = "fast_slam";
-  ramscout_bringup_ros::BagSelection bag;
+  ramscout_bringup::RecordingOptions recording;
 };
-
-std::unique_ptr<ramscout_bringup::Recording> open(const Options& options) {
-  if (std::filesystem::path(options.input).extension() == ".bag") {
-    return std::make_unique<ramscout_bringup_ros::BagRecording>(options.input, options.bag);
-  }
-  return std::make_unique<ramscout_bringup::CarmenRecording>(options.input);
-}
 
 void feed(ramscout_bringup::Recording& recording, ramscout_bringup::SlamPipeline& pipeline) {
   constexpr unsigned long kSteps = 100;  // percent
@@ -76,22 +69,34 @@ nlohmann::ordered_json cost(double recorded_s) {
           {"peak_memory_mb", static_cast<double>(usage.ru_maxrss) / 1024.0}};
 }
 
-void run(const Options& options) {
+/// Maps a recording. What only the mapping needs is released at the end of it.
+ramscout_bringup::Results map(ramscout_bringup::Recording& recording, const Options& options) {
   auto parameters = ramscout_bringup::readSlamParameters(options.config, options.estimator);
   if (!options.live_settings) parameters.useBatchSettings();
   parameters.use_laser_odometry = !options.wheels_only;
   parameters.use_map_smoother = !options.no_smoothing;
   ramscout_bringup::SlamPipeline pipeline(parameters);
-  const auto recording = open(options);
-  feed(*recording, pipeline);
-  for (const std::string& note : recording->notes()) std::cout << note << "\n";
+  feed(recording, pipeline);
+  for (const std::string& note : recording.notes()) std::cout << note << "\n";
   ramscout_bringup::Results results = pipeline.finish();
-  results.summary["notes"] = recording->notes();
+  results.summary["notes"] = recording.notes();
+  return results;
+}
+
+/// \return whether the map stands on at least half of the scans
+bool run(const Options& options) {
+  const auto recording = ramscout_bringup_ros::openRecording(options.input, options.recording);
+  const ramscout_bringup::Results results = map(*recording, options);
   std::filesystem::create_directories(options.output);
   ramscout_bringup::writeResults(results, options.output);
   const nlohmann::ordered_json timing = cost(results.summary["duration_s"]);
   ram_slam::writeFileAtomically(options.output + "/timing.json", timing.dump(2) + "\n");
   std::cout << results.summary.dump(2) << "\n" << timing.dump(2) << "\n";
+  const std::size_t used = results.trajectory_online.size();
+  if (2 * used >= recording->scanCount() || stop_requested != 0) return true;
+  std::cerr << "run_bag: only " << used << " of " << recording->scanCount()
+            << " scans could be used; summary.json has the reasons under notes and left_out\n";
+  return false;
 }
 
 }  // namespace
@@ -103,22 +108,18 @@ int main(int argc, char** argv) {
       "summary. Ctrl-C stops early with what there is.");
   Options options;
   options.output = "results";
-  app.add_option("input", options.input, "ROS bag (.bag) or CARMEN log (.clf, .log, also .gz, .xz)")
+  app.add_option(
+         "input", options.input,
+         "recording: ROS bag (.bag), ROS 2 recording (.mcap, .db3, or their folder) or CARMEN log "
+         "(.clf, .log, also .gz, .xz)")
       ->required()
-      ->check(CLI::ExistingFile);
+      ->check(CLI::ExistingPath);
   app.add_option("--output", options.output, "folder to write to, made if missing")
       ->capture_default_str();
   app.add_option("--config", options.config,
                  "folder with the nodes' parameter files; default: the installed one")
       ->check(CLI::ExistingDirectory);
-  app.add_option("--scan-topic", options.bag.scan_topic,
-                 "default: the bag's topic called scan, or its only one");
-  app.add_option("--odom-topic", options.bag.odometry_topic,
-                 "default: the bag's topic called odom, or tf");
-  app.add_option("--odom-frame", options.bag.odom_frame, "parent of base-frame on tf")
-      ->capture_default_str();
-  app.add_option("--base-frame", options.bag.base_frame, "the robot's frame")
-      ->capture_default_str();
+  ramscout_bringup_ros::addOptions(app, options.recording);
   app.add_flag("--wheels-only", options.wheels_only,
                "no laser odometry: the wheels' odometry as it is, no smoothing");
   app.add_flag("--no-smoothing", options.no_smoothing,
@@ -132,7 +133,7 @@ int main(int argc, char** argv) {
   try {
     if (options.config.empty())
       options.config = ros::package::getPath("ramscout_bringup") + "/config";
-    run(options);
+    if (!run(options)) return EXIT_FAILURE;
   } catch (const std::exception& error) {
     std::cerr << "run_bag: " << error.what() << "\n";
     return EXIT_FAILURE;

@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
+#include "ram_slam/sensing/no_return.hpp"
+#include "ramscout_bringup/stamp_review.hpp"
 #include "ramscout_bringup/text_file.hpp"
 #include "ramscout_bringup/words.hpp"
 
@@ -18,17 +19,7 @@ namespace {
 using ram_slam::LaserScan;
 using ram_slam::Pose2;
 
-constexpr float kTooCloseM = 0.005F;   // the sensors count centimetres: less is "blinded"
-constexpr float kUnlimitedM = 100.0F;  // for a log that names no limit and has no code
-constexpr float kLeastCodeM = 5.0F;    // no sensor of the family sees less far
-// A no-return code is farther than all but stray readings; a sensor has a few of them close
-// together (SICK: 81.83 to 81.91 m), each exact, where a wall's readings scatter, and far commoner
-// than the readings of any far wall.
-constexpr float kCodeSpread = 0.01F;
-constexpr double kLeastCodeShare = 1e-4;
-constexpr double kLeastShareAmongCodes = 0.25;
-constexpr double kMaxShareBeyondCode = 0.01;
-constexpr double kCodeToReadingRatio = 5.0;
+constexpr float kTooCloseM = 0.005F;         // the sensors count centimetres: less is "blinded"
 constexpr double kMaxMountDeviation = 0.01;  // m or rad
 
 struct Angles {
@@ -36,27 +27,39 @@ struct Angles {
   double increment_rad = 0.0;
 };
 
-Angles conventionalAngles(std::size_t count) {
-  constexpr double kDegree = M_PI / 180.0;
+/// The increments of lidars that look as far to the left as to the right, by their beams.
+double increment_deg(std::size_t count) {
   switch (count) {
-    case 180:
-    case 360:
-      return {-M_PI_2, M_PI / static_cast<double>(count)};
-    case 401:
-      return {-50.0 * kDegree, 0.25 * kDegree};
-    case 541:
-      return {-135.0 * kDegree, 0.5 * kDegree};
-    case 1081:
-      return {-135.0 * kDegree, 0.25 * kDegree};
+    case 401:   // SICK LMS2xx over 100 deg
+    case 1081:  // Hokuyo UTM-30LX, UST-10LX, SICK LMS1xx over 270 deg
+      return 0.25;
+    case 541:  // SICK LMS1xx, S300
+      return 0.5;
+    case 811:  // SICK TiM
+      return 1.0 / 3.0;
+    case 682:  // Hokuyo URG-04LX over 240 deg, by some drivers with a step more
+    case 683:
+    case 726:  // UBG-04LX
+    case 769:  // URG-04LX, all steps
+      return 360.0 / 1024.0;
     default:
-      return {-M_PI_2, M_PI / static_cast<double>(std::max<std::size_t>(count, 2) - 1)};
+      return 180.0 / static_cast<double>(std::max<std::size_t>(count, 2) - 1);
   }
+}
+
+Angles conventionalAngles(std::size_t count, const std::optional<double>& fov_rad) {
+  if (!fov_rad && (count == 180 || count == 360))
+    return {-M_PI_2, M_PI / static_cast<double>(count)};
+  const auto steps = static_cast<double>(std::max<std::size_t>(count, 2) - 1);
+  const double increment_rad = fov_rad ? *fov_rad / steps : increment_deg(count) * M_PI / 180.0;
+  return {-0.5 * steps * increment_rad, increment_rad};
 }
 
 struct LaserLine {
   LaserScan scan;
   Pose2 odom_from_laser;
   Pose2 odom_from_base;
+  std::optional<std::int64_t> logged_ns;  ///< when the logger wrote the line, since its start
 };
 
 void readPosesAndStamp(Words& words, std::size_t words_between, LaserLine& line) {
@@ -64,17 +67,22 @@ void readPosesAndStamp(Words& words, std::size_t words_between, LaserLine& line)
   line.odom_from_base = words.pose();
   for (std::size_t i = 0; i < words_between; ++i) words.next();
   line.scan.stamp_ns = words.stampNs();
+  if (!words.good()) return;
+  Words rest = words;
+  rest.next();
+  const std::int64_t logged_ns = rest.stampNs();
+  if (rest.good()) line.logged_ns = logged_ns;
 }
 
 /// FLASER n r1..rn laser_pose base_pose stamp host logger_stamp.
-LaserLine readFlaser(Words& words) {
+LaserLine readFlaser(Words& words, const RecordingOptions& options) {
   LaserLine line;
   const auto count = words.number<std::size_t>();
   line.scan.ranges_m = words.readings(count);
-  const Angles angles = conventionalAngles(count);
+  const Angles angles = conventionalAngles(count, options.fov_rad);
   line.scan.angle_min_rad = angles.min_rad;
   line.scan.angle_increment_rad = angles.increment_rad;
-  line.scan.range_max_m = kUnlimitedM;
+  line.scan.range_max_m = LaserScan::kUnlimitedRangeM;
   readPosesAndStamp(words, 0, line);
   return line;
 }
@@ -102,18 +110,25 @@ bool isUsable(const LaserLine& line) {
   } catch (const std::invalid_argument&) {
     return false;
   }
-  return line.scan.stamp_ns > 0;
+  return line.scan.stamp_ns >= 0;
 }
 
-std::vector<LaserLine> readLaserLines(const std::string& path, CarmenLog& log) {
+std::vector<LaserLine> readLaserLines(const std::string& path,
+                                      const RecordingOptions& options,
+                                      CarmenLog& log) {
   std::vector<LaserLine> lines;
   TextFile file(path);
   while (const auto text = file.nextLine()) {
     Words words(*text);
     const std::string_view kind = words.next();
     if (kind != "FLASER" && kind != "ROBOTLASER1") continue;
-    LaserLine line = kind == "FLASER" ? readFlaser(words) : readRobotLaser(words);
+    LaserLine line = kind == "FLASER" ? readFlaser(words, options) : readRobotLaser(words);
     if (words.good() && isUsable(line)) {
+      if (kind == "FLASER" && !options.fov_rad && !log.assumed_fov_rad) {
+        log.assumed_beam_count = line.scan.ranges_m.size();
+        log.assumed_fov_rad =
+            line.scan.bearing_rad(log.assumed_beam_count - 1) - line.scan.angle_min_rad;
+      }
       lines.push_back(std::move(line));
     } else {
       ++log.damaged_line_count;
@@ -123,68 +138,46 @@ std::vector<LaserLine> readLaserLines(const std::string& path, CarmenLog& log) {
   return lines;
 }
 
-void sortByStamp(std::vector<LaserLine>& lines, CarmenLog& log) {
-  const auto earlier = [](const auto& a, const auto& b) {
-    return a.scan.stamp_ns < b.scan.stamp_ns;
-  };
-  const auto same = [](const auto& a, const auto& b) { return a.scan.stamp_ns == b.scan.stamp_ns; };
-  std::stable_sort(lines.begin(), lines.end(), earlier);
-  const auto end = std::unique(lines.begin(), lines.end(), same);
-  log.duplicate_scan_count = static_cast<std::size_t>(lines.end() - end);
-  lines.erase(end, lines.end());
-}
-
-/// How often each far reading occurs in the log, by centimetre.
-std::map<long, std::size_t> countFarReadings(const std::vector<LaserLine>& lines) {
-  std::map<long, std::size_t> count_of_cm;
+/// The lines' stamps, or the logger's where the stamps are no times of measurement.
+std::vector<std::int64_t> usableStamps(std::vector<LaserLine>& lines, CarmenLog& log) {
+  std::vector<std::int64_t> stamps_ns;
+  std::vector<std::int64_t> logged_ns;
   for (const LaserLine& line : lines) {
-    for (const float range_m : line.scan.ranges_m) {
-      if (range_m >= kLeastCodeM && std::isfinite(range_m))
-        ++count_of_cm[std::lround(range_m * 100.0F)];
-    }
+    stamps_ns.push_back(line.scan.stamp_ns);
+    if (line.logged_ns) logged_ns.push_back(*line.logged_ns);
   }
-  return count_of_cm;
+  if (lines.size() < 3 || shareOfDifferent(stamps_ns) >= 0.5 || logged_ns.size() < lines.size() ||
+      shareOfDifferent(logged_ns) < 0.5) {
+    return stamps_ns;
+  }
+  log.notes.push_back("more than half of the stamps repeat: the logger's are used instead");
+  for (LaserLine& line : lines) line.scan.stamp_ns = *line.logged_ns;
+  return logged_ns;
 }
 
-/// The far reading that is far commoner than any other in the farther half of the range: no wall is
-/// that popular.
-std::optional<float> findNoReturnCode(const std::vector<LaserLine>& lines) {
-  const std::map<long, std::size_t> count_of_cm = countFarReadings(lines);
-  const auto distance_seen = [](const auto& a, const auto& b) {
-    return static_cast<double>(a.first) * static_cast<double>(a.second) <
-           static_cast<double>(b.first) * static_cast<double>(b.second);
-  };
-  const auto code = std::max_element(count_of_cm.begin(), count_of_cm.end(), distance_seen);
-  if (code == count_of_cm.end()) return std::nullopt;
-
-  const auto code_cm = static_cast<double>(code->first);
-  const auto count = static_cast<double>(code->second);
-  double among_codes = 0.0;
-  double beyond_codes = 0.0;
-  double most_beside = 0.0;
-  for (auto other = count_of_cm.lower_bound(code->first / 2); other != count_of_cm.end(); ++other) {
-    const auto other_count = static_cast<double>(other->second);
-    if (std::abs(static_cast<double>(other->first) - code_cm) <= kCodeSpread * code_cm) {
-      among_codes += other_count;
+/// The lines that the options ask for, by rising stamps.
+std::vector<LaserLine> selectLines(std::vector<LaserLine> lines,
+                                   const RecordingOptions& options,
+                                   CarmenLog& log) {
+  const std::vector<std::int64_t> stamps_ns = usableStamps(lines, log);
+  const Drive drive = selectDrive(stamps_ns, "the laser", options.part);
+  log.notes.insert(log.notes.end(), drive.notes.begin(), drive.notes.end());
+  log.stray_scan_count = drive.stray_count;
+  std::vector<LaserLine> selected;
+  for (const std::size_t i : selectScans(drive, stamps_ns, options)) {
+    if (!selected.empty() && stamps_ns[i] == selected.back().scan.stamp_ns) {
+      ++log.duplicate_scan_count;
     } else {
-      most_beside = std::max(most_beside, other_count);
-      if (other->first > code->first) beyond_codes += other_count;
+      selected.push_back(std::move(lines[i]));
     }
   }
-  double reading_count = 0.0;
-  for (const LaserLine& line : lines)
-    reading_count += static_cast<double>(line.scan.ranges_m.size());
-  const bool is_exact = count >= kLeastShareAmongCodes * among_codes;
-  const bool is_farthest = beyond_codes <= kMaxShareBeyondCode * count;
-  const bool is_common =
-      count >= std::max(kLeastCodeShare * reading_count, kCodeToReadingRatio * most_beside);
-  if (!is_exact || !is_farthest || !is_common) return std::nullopt;
-  return static_cast<float>(code_cm / 100.0);
+  return selected;
 }
 
 /// Gives readings their REP-117 values, and the scan the limits of what is left.
 void applyRep117(const std::optional<float>& no_return_m, LaserScan& scan) {
-  const float limit_m = no_return_m ? (1.0F - kCodeSpread) * *no_return_m : scan.range_max_m;
+  const float limit_m =
+      no_return_m ? ram_slam::NoReturnDetector::limit_m(*no_return_m) : scan.range_max_m;
   for (float& range_m : scan.ranges_m) {
     if (range_m >= limit_m) {
       range_m = std::numeric_limits<float>::infinity();
@@ -235,21 +228,26 @@ bool odometryMoves(const std::vector<LaserLine>& lines) {
 
 }  // namespace
 
-CarmenLog readCarmenLog(const std::string& path) {
+CarmenLog readCarmenLog(const std::string& path, const RecordingOptions& options) {
   CarmenLog log;
-  std::vector<LaserLine> lines = readLaserLines(path, log);
-  sortByStamp(lines, log);
+  const std::vector<LaserLine> all = readLaserLines(path, options, log);
+  std::vector<LaserLine> lines = selectLines(all, options, log);
 
-  if (const auto mount = findMount(lines)) {
+  if (options.base_from_laser) {
+    log.base_from_laser = *options.base_from_laser;
+    log.mount_is_known = true;
+  } else if (const auto mount = findMount(lines)) {
     log.base_from_laser = *mount;
     log.mount_is_known = true;
   }
-  log.no_return_m = findNoReturnCode(lines);
+  ram_slam::NoReturnDetector detector;
+  for (const LaserLine& line : lines) detector.add(line.scan.ranges_m);
+  log.no_return_m = detector.code_m();
   const bool has_odometry = odometryMoves(lines);
   for (LaserLine& line : lines) {
     applyRep117(log.no_return_m, line.scan);
     if (has_odometry) log.odometry.push_back({line.scan.stamp_ns, line.odom_from_base});
-    log.scans.push_back(std::move(line.scan));
+    log.scans.push_back(ram_slam::inSweepDirection(options.sweep_direction, std::move(line.scan)));
   }
   return log;
 }

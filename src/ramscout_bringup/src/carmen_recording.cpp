@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_bringup/carmen_recording.hpp"
 
+#include <cmath>
 #include <sstream>
 #include <utility>
 
 namespace ramscout_bringup {
 
-CarmenRecording::CarmenRecording(const std::string& path) : log_(readCarmenLog(path)) {}
+CarmenRecording::CarmenRecording(const std::string& path, const RecordingOptions& options)
+    : log_(readCarmenLog(path, options)) {}
 
 std::optional<Recording::Reading> CarmenRecording::next() {
   if (scan_ == log_.scans.size()) return std::nullopt;
@@ -25,6 +27,13 @@ double CarmenRecording::progress() const {
 std::vector<std::string> CarmenRecording::notes() const {
   std::vector<std::string> notes{"scans: " + std::to_string(log_.scans.size()),
                                  "odometry: " + std::to_string(log_.odometry.size())};
+  notes.insert(notes.end(), log_.notes.begin(), log_.notes.end());
+  if (log_.assumed_fov_rad) {
+    std::ostringstream fov;
+    fov << "FLASER lines carry no angles: " << log_.assumed_beam_count << " beams are assumed over "
+        << std::round(*log_.assumed_fov_rad * 180.0 / M_PI) << " deg; give them with --fov";
+    notes.push_back(fov.str());
+  }
   std::ostringstream mount;
   mount << "laser on the base: x " << log_.base_from_laser.x_m << " m, y "
         << log_.base_from_laser.y_m << " m, yaw " << log_.base_from_laser.yaw_rad << " rad"
@@ -35,7 +44,8 @@ std::vector<std::string> CarmenRecording::notes() const {
                     " m and more mean: nothing there");
   }
   if (log_.damaged_line_count > 0) {
-    notes.push_back("left out " + std::to_string(log_.damaged_line_count) + " damaged lines");
+    notes.push_back("left out " + std::to_string(log_.damaged_line_count) +
+                    " laser lines: damaged, or without a use");
   }
   if (log_.duplicate_scan_count > 0) {
     notes.push_back("left out " + std::to_string(log_.duplicate_scan_count) +

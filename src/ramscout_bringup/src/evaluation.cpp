@@ -38,6 +38,19 @@ const StampedPose2& nearest(const Trajectory& trajectory, std::int64_t stamp_ns)
   return after->stamp_ns - stamp_ns < stamp_ns - before->stamp_ns ? *after : *before;
 }
 
+/// The truth is interpolated over no longer step than this: motion capture loses its target at
+/// times. Ten times the median step, and at least 1 s.
+std::int64_t longestStep_ns(const Trajectory& truth) {
+  constexpr std::int64_t kLeastNs = 1'000'000'000;
+  std::vector<std::int64_t> steps_ns;
+  for (std::size_t i = 1; i < truth.size(); ++i)
+    steps_ns.push_back(truth[i].stamp_ns - truth[i - 1].stamp_ns);
+  if (steps_ns.empty()) return kLeastNs;
+  const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
+  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
+  return std::max(kLeastNs, 10 * *middle);
+}
+
 /// The truth at the estimate's stamps, for those that it spans.
 struct PosePair {
   std::int64_t stamp_ns;
@@ -45,6 +58,7 @@ struct PosePair {
   Pose2 truth;
 };
 std::vector<PosePair> pairs(const Trajectory& estimate, const Trajectory& truth) {
+  const std::int64_t longest_step_ns = longestStep_ns(truth);
   std::vector<PosePair> result;
   for (const StampedPose2& pose : estimate) {
     const auto after = notBefore(truth, pose.stamp_ns);
@@ -53,6 +67,7 @@ std::vector<PosePair> pairs(const Trajectory& estimate, const Trajectory& truth)
       result.push_back({pose.stamp_ns, pose.pose, after->pose});
     } else if (after != truth.begin()) {
       const auto before = std::prev(after);
+      if (after->stamp_ns - before->stamp_ns > longest_step_ns) continue;
       const double fraction = static_cast<double>(pose.stamp_ns - before->stamp_ns) /
                               static_cast<double>(after->stamp_ns - before->stamp_ns);
       result.push_back(
@@ -161,6 +176,7 @@ TruthComparison compareWithTruth(const Trajectory& estimate, const Trajectory& t
                                 " stamps in common, wanted at least 2");
   }
   TruthComparison comparison;
+  comparison.without_truth_count = estimate.size() - common.size();
   comparison.truth_from_map = alignment(common);
   std::vector<double> position_m;
   std::vector<double> yaw_rad;

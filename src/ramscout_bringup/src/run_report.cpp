@@ -67,7 +67,7 @@ ordered_json RunReport::summary(const Run& run) const {
       {"times_lost", lost_count_},
       {"key_scans", run.mapping.scanCount()},
       {"clock_resets", run.odometry.resetCount()},
-      {"dropped",
+      {"left_out",
        {{"odometry", toJson(run.odometry.drops())},
         {"estimator", toJson(run.estimator.drops())},
         {"smoothing", toJson(run.smoothing.drops())},

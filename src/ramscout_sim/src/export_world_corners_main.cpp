@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <stdexcept>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -21,8 +22,14 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
-    ramscout_sim::writeCorners(ramscout_sim::cornersOf(ramscout_sim::readWorld(world), parameters),
-                               output);
+    const auto corners = ramscout_sim::cornersOf(ramscout_sim::readWorld(world), parameters);
+    if (corners.empty()) {
+      throw std::runtime_error(
+          world + " has no corner at a height of " + std::to_string(parameters.height_m) +
+          " m; corners are found for boxes and cylinders, not for the cells of "
+          "a map or the triangles of a mesh");
+    }
+    ramscout_sim::writeCorners(corners, output);
   } catch (const std::exception& error) {
     std::cerr << "export_world_corners: " << error.what() << '\n';
     return EXIT_FAILURE;

@@ -96,15 +96,24 @@ bool isCaster(const Solid& shape, const RobotLimits& limits) {
   return shape.shape == Shape::kSphere && std::abs(above_floor_m) <= limits.touches_floor_m;
 }
 
+/// The axis without the small errors of descriptions that write 1.57 for a right angle.
+Eigen::Vector3d horizontalAxis(const Eigen::Vector3d& axis, const std::string& element) {
+  constexpr double kRounding = 1e-2;
+  if (!(std::abs(axis.z()) < kRounding && std::abs(axis.norm() - 1.0) < 1e-3))
+    refuse(element, "a wheel's axis must be horizontal");
+  Eigen::Vector3d horizontal(axis.x(), axis.y(), 0.0);
+  if (std::abs(axis.x()) < kRounding) horizontal.x() = 0.0;
+  if (std::abs(axis.y()) < kRounding) horizontal.y() = 0.0;
+  return horizontal.normalized();
+}
+
 Wheel readWheel(const urdf::Joint& joint,
                 const urdf::Link& link,
                 const Eigen::Isometry3d& base_from_link,
                 const RobotLimits& limits) {
   const std::string element = "joint '" + joint.name + "'";
-  const Eigen::Vector3d axis =
-      base_from_link.linear() * Eigen::Vector3d(joint.axis.x, joint.axis.y, joint.axis.z);
-  if (!(std::abs(axis.z()) < 1e-6 && std::abs(axis.norm() - 1.0) < 1e-3))
-    refuse(element, "a wheel's axis must be horizontal");
+  const Eigen::Vector3d axis = horizontalAxis(
+      base_from_link.linear() * Eigen::Vector3d(joint.axis.x, joint.axis.y, joint.axis.z), element);
   if (!link.inertial) refuse("link '" + link.name + "'", "a wheel needs an inertial element");
   if (!link.collision) refuse("link '" + link.name + "'", "a wheel needs a collision element");
   const Solid shape = readCollision(*link.collision, link.name, base_from_link, limits);
@@ -243,8 +252,9 @@ private:
       if (a.steering.has_value() != b.steering.has_value()) return b.steering.has_value();
       return a.center_in_base_m.y() > b.center_in_base_m.y();
     });
+    // Either sign: an axis to the right rolls forward at a negative speed.
     const bool forward = std::all_of(wheels.begin(), wheels.end(), [](const Wheel& wheel) {
-      return wheel.axle_in_base.isApprox(Eigen::Vector3d::UnitY(), 1e-6);
+      return std::abs(wheel.axle_in_base.y()) > 1.0 - 1e-6;
     });
     if (wheels.back().steering) {
       robot_.kind = BaseKind::kAckermann;

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "ram_slam/sensing/no_return.hpp"
 
 namespace ram_slam {
 namespace {
@@ -13,6 +16,8 @@ namespace {
 constexpr std::size_t kMaxBeams = 20000;
 /// A whole turn would take six million beams.
 constexpr double kMinIncrementRad = 1e-6;
+/// A turn, and some beams that are measured twice.
+constexpr double kMaxAngleRad = 2.0 * M_PI + 0.2;
 
 }  // namespace
 
@@ -26,6 +31,11 @@ void LaserScan::validate() const {
       std::abs(angle_increment_rad) < kMinIncrementRad) {
     throw std::invalid_argument("scan with angle_min " + std::to_string(angle_min_rad) +
                                 " and angle_increment " + std::to_string(angle_increment_rad));
+  }
+  const double angle_rad = std::abs(angle_increment_rad) * static_cast<double>(ranges_m.size() - 1);
+  if (angle_rad > kMaxAngleRad) {
+    throw std::invalid_argument("scan over " + std::to_string(angle_rad) +
+                                " rad, more than a turn: are its angles in degrees?");
   }
   if (!std::isfinite(time_increment_s) || time_increment_s < 0.0) {
     throw std::invalid_argument("scan with time_increment " + std::to_string(time_increment_s));
@@ -53,6 +63,25 @@ LaserScan mirrored(LaserScan scan) {
   scan.angle_min_rad = -scan.angle_min_rad;
   scan.angle_increment_rad = -scan.angle_increment_rad;
   return scan;
+}
+
+LaserScan inSweepDirection(SweepDirection direction, LaserScan scan) {
+  const bool is_counterclockwise = scan.angle_increment_rad > 0.0;
+  if (direction == SweepDirection::kAsStored ||
+      (direction == SweepDirection::kCounterclockwise) == is_counterclockwise) {
+    return scan;
+  }
+  scan.angle_min_rad = scan.bearing_rad(scan.ranges_m.size() - 1);
+  scan.angle_increment_rad = -scan.angle_increment_rad;
+  std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+  return scan;
+}
+
+void markNoReturns(float code_m, LaserScan& scan) {
+  const float limit_m = NoReturnDetector::limit_m(code_m);
+  for (float& range_m : scan.ranges_m)
+    if (range_m >= limit_m) range_m = std::numeric_limits<float>::infinity();
+  scan.range_max_m = std::min(scan.range_max_m, limit_m);
 }
 
 }  // namespace ram_slam

@@ -16,11 +16,15 @@ namespace ramscout_bringup {
 class CarmenRecording : public Recording {
 public:
   /// \throws std::runtime_error as readCarmenLog()
-  explicit CarmenRecording(const std::string& path);
+  explicit CarmenRecording(const std::string& path, const RecordingOptions& options = {});
 
   std::optional<Reading> next() override;
   double progress() const override;
   std::vector<std::string> notes() const override;
+  std::size_t scanCount() const override {
+    return log_.scans.size() + log_.damaged_line_count + log_.duplicate_scan_count +
+           log_.stray_scan_count;
+  }
 
 private:
   CarmenLog log_;

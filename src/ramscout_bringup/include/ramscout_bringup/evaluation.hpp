@@ -27,12 +27,13 @@ struct TruthComparison {
   ram_slam::Pose2 truth_from_map;  ///< the alignment that was used
   ErrorStatistics position_m;      ///< absolute trajectory error (ATE) after alignment
   ErrorStatistics yaw_rad;
+  std::size_t without_truth_count = 0;  ///< poses before, after or in a gap of the truth
 };
 
 /// Absolute trajectory error: both trajectories at the stamps of `estimate` that the truth spans
-/// (truth interpolated), the estimate moved by the rigid motion that minimises the squared
-/// distances (Umeyama, PAMI 1991, without scale). \throws std::invalid_argument if fewer than two
-/// stamps are common
+/// (truth interpolated, but not over gaps of ten times its median step and more than 1 s), the
+/// estimate moved by the rigid motion that minimises the squared distances (Umeyama, PAMI 1991,
+/// without scale). \throws std::invalid_argument if fewer than two stamps are common
 TruthComparison compareWithTruth(const Trajectory& estimate, const Trajectory& truth);
 
 /// Relative pose error over pieces of the path.

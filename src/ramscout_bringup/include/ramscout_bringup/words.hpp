@@ -46,14 +46,30 @@ public:
     return pose;
   }
 
-  /// Decimal seconds such as 12.345678 in nanoseconds, digit by digit: a double resolves 0.2 us at
-  /// today's epoch.
+  /// Seconds such as 12.345678 or 1.2345678e+01 in nanoseconds, digit by digit: a double resolves
+  /// 0.2 us at today's epoch.
   std::int64_t stampNs() {
     const std::string_view word = next();
-    const std::size_t point = std::min(word.find('.'), word.size());
-    std::string fraction(word.substr(std::min(point + 1, word.size())));
-    fraction.resize(9, '0');
-    return parse<std::int64_t>(std::string(word.substr(0, point)) + fraction);
+    const std::size_t exponent_at = std::min(word.find_first_of("eE"), word.size());
+    int exponent = 0;
+    if (exponent_at < word.size()) {
+      std::string_view digits = word.substr(exponent_at + 1);
+      if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+      exponent = parse<int>(digits);
+    }
+    const std::string_view mantissa = word.substr(0, exponent_at);
+    const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
+    std::string digits(mantissa.substr(0, point));
+    digits += mantissa.substr(std::min(point + 1, mantissa.size()));
+    // So many of the digits are whole nanoseconds; the rest is less than one.
+    const auto wanted = static_cast<long>(point) + exponent + 9;
+    constexpr long kMostDigits = 20;  // more than 64 bits hold
+    if (wanted < 0 || wanted > kMostDigits || digits.empty() || mantissa.empty()) {
+      good_ = good_ && wanted < 0 && !digits.empty();
+      return 0;
+    }
+    digits.resize(static_cast<std::size_t>(wanted), '0');
+    return digits.empty() ? 0 : parse<std::int64_t>(digits);
   }
 
   /// `count` numbers; a failure if there are fewer, or more than 20,000 are wanted.

@@ -30,6 +30,9 @@ inline Return classify(float range_m, float range_min_m, float range_max_m) {
 /// angle_min_rad + i * angle_increment_rad (negative increment: clockwise) and was fired i *
 /// time_increment_s after stamp_ns. Ranges follow REP 117.
 struct LaserScan {
+  /// Stands for the limit of a sensor that names none: farther than common lidars see.
+  static constexpr float kUnlimitedRangeM = 100.0F;
+
   std::int64_t stamp_ns = 0;  ///< of the first beam
   double angle_min_rad = 0.0;
   double angle_increment_rad = 0.0;
@@ -54,13 +57,27 @@ struct LaserScan {
 
   /// \throws std::invalid_argument with the reason if no use can be made of the scan: no or more
   /// than 20,000 ranges,
-  ///         angles or limits not finite, an increment of (nearly) zero, range_min > range_max or
-  ///         negative limits
+  ///         angles or limits not finite, an increment of (nearly) zero, more than a turn,
+  ///         range_min > range_max or negative limits
   void validate() const;
 };
 
 /// The scan that an upright sensor would have given, from one of a sensor mounted upside down:
 /// bearings change sign.
 LaserScan mirrored(LaserScan scan);
+
+/// In which order of time the readings of a scan were taken.
+enum class SweepDirection {
+  kAsStored,          ///< the first reading first
+  kCounterclockwise,  ///< by rising bearing, however they are stored
+  kClockwise,         ///< by falling bearing, however they are stored
+};
+
+/// The scan with its readings in the order in which they were taken.
+LaserScan inSweepDirection(SweepDirection direction, LaserScan scan);
+
+/// Gives readings from NoReturnDetector::limit_m(code_m) on their meaning, +Inf, and the scan that
+/// limit.
+void markNoReturns(float code_m, LaserScan& scan);
 
 }  // namespace ram_slam

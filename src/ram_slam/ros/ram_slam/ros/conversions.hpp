@@ -37,6 +37,18 @@ ram_slam::PoseWithCovariance2 toPoseWithCovariance2(
 geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(
     const ram_slam::PoseWithCovariance2& pose);
 
+/// Time that a scan's beams take by its time_increment [s].
+double sweep_s(const sensor_msgs::LaserScan& message);
+/// Whether a lidar can take that long: longer than zero and at most 1 s.
+bool isPlausibleSweep(double sweep_s);
+/// Whether range_max is a limit: not zero, infinite or farther than any lidar sees.
+bool hasRangeLimit(const sensor_msgs::LaserScan& message);
+/// Finite readings at range_max or farther; zero if that is no limit.
+std::size_t countAtLimit(const sensor_msgs::LaserScan& message);
+
+/// Readings at range_max mean that nothing came back; readings of less than 1 mm are no
+/// information. Without a range limit LaserScan::kUnlimitedRangeM stands for it; a time_increment
+/// that cannot be true counts as zero.
 /// \throws std::invalid_argument as LaserScan::validate(), or if the stamp is zero
 ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message);
 

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include <ram_slam/ros/conversions.hpp>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/MultiEchoLaserScan.h>
+
+#include "message_decoder.hpp"
+
+namespace ramscout_bringup_ros {
+namespace {
+
+using ramscout_bringup::RecordedTopic;
+
+class BagSource : public MessageSource {
+public:
+  explicit BagSource(const std::string& path) : path_(path) {
+    try {
+      bag_.open(path, rosbag::bagmode::Read);
+    } catch (const rosbag::BagUnindexedException&) {
+      throw std::runtime_error("the bag " + path +
+                               " was not closed and has no index: run `rosbag reindex " + path +
+                               "`, then try again");
+    } catch (const rosbag::BagException& error) {
+      throw std::runtime_error("cannot read the bag " + path + " (" + error.what() +
+                               "); if the recording was cut off, run `rosbag reindex " + path +
+                               "`, then try again");
+    }
+    rosbag::View all(bag_);
+    std::map<std::string, RecordedTopic> topics;
+    for (const rosbag::ConnectionInfo* connection : all.getConnections())
+      topics[connection->topic] = {connection->topic, ros1TypeName(connection->datatype), 0};
+    for (const rosbag::MessageInstance& message : all) ++topics[message.getTopic()].message_count;
+    for (auto& [name, topic] : topics) topics_.push_back(std::move(topic));
+  }
+
+  const std::vector<RecordedTopic>& topics() const override { return topics_; }
+
+  void restart(const std::vector<std::string>& topics) override {
+    view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(topics));
+    message_ = view_->begin();
+  }
+
+  std::optional<RecordedMessage> next() override {
+    try {
+      for (; message_ != view_->end(); ++message_) {
+        auto message = convert(*message_);
+        if (!message) continue;
+        ++message_;
+        return message;
+      }
+    } catch (const rosbag::BagException& error) {
+      throw std::runtime_error("the bag " + path_ + " is damaged: " + error.what());
+    }
+    return std::nullopt;
+  }
+
+private:
+  static std::optional<RecordedMessage> convert(const rosbag::MessageInstance& message) {
+    RecordedMessage result{message.getTopic(), ram_slam_ros::toNanoseconds(message.getTime()), {}};
+    if (const auto scan = message.instantiate<sensor_msgs::LaserScan>()) {
+      result.content = std::move(*scan);
+    } else if (const auto odometry = message.instantiate<nav_msgs::Odometry>()) {
+      result.content = std::move(*odometry);
+    } else if (const auto transforms = message.instantiate<tf2_msgs::TFMessage>()) {
+      result.content = std::move(*transforms);
+    } else if (const auto echoes = message.instantiate<sensor_msgs::MultiEchoLaserScan>()) {
+      result.content = firstEchoes(*echoes);
+    } else {
+      return std::nullopt;
+    }
+    return result;
+  }
+
+  std::string path_;
+  rosbag::Bag bag_;
+  std::vector<RecordedTopic> topics_;
+  std::unique_ptr<rosbag::View> view_;
+  rosbag::View::iterator message_;
+};
+
+}  // namespace
+
+std::unique_ptr<MessageSource> openBag(const std::string& path) {
+  return std::make_unique<BagSource>(path);
+}
+
+}  // namespace ramscout_bringup_ros

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// ROS 2 messages as the OMG's Common Data Representation writes them (formal/02-06-51), read by
+// Fast CDR; the fields in the order of their definitions.
+#include "message_decoder.hpp"
+
+#include <limits>
+#include <set>
+#include <stdexcept>
+#include <vector>
+
+#include <fastcdr/Cdr.h>
+#include <fastcdr/FastBuffer.h>
+#include <fastcdr/exceptions/Exception.h>
+#include <ros/serialization.h>
+#include <sensor_msgs/MultiEchoLaserScan.h>
+
+namespace ramscout_bringup_ros {
+namespace {
+
+using eprosima::fastcdr::Cdr;
+
+constexpr const char* kScan = "sensor_msgs/LaserScan";
+constexpr const char* kEchoes = "sensor_msgs/MultiEchoLaserScan";
+constexpr const char* kOdometry = "nav_msgs/Odometry";
+constexpr const char* kTransforms = "tf2_msgs/TFMessage";
+
+void read(Cdr& cdr, std_msgs::Header& header) {
+  std::int32_t seconds = 0;
+  std::uint32_t nanoseconds = 0;
+  cdr >> seconds >> nanoseconds >> header.frame_id;
+  if (seconds < 0 || nanoseconds >= 1'000'000'000U)
+    throw std::runtime_error("a stamp that is no time");
+  header.stamp = ros::Time(static_cast<std::uint32_t>(seconds), nanoseconds);
+}
+
+void read(Cdr& cdr, sensor_msgs::LaserScan& scan) {
+  read(cdr, scan.header);
+  cdr >> scan.angle_min >> scan.angle_max >> scan.angle_increment >> scan.time_increment >>
+      scan.scan_time >> scan.range_min >> scan.range_max >> scan.ranges;
+}
+
+void read(Cdr& cdr, sensor_msgs::MultiEchoLaserScan& scan) {
+  read(cdr, scan.header);
+  cdr >> scan.angle_min >> scan.angle_max >> scan.angle_increment >> scan.time_increment >>
+      scan.scan_time >> scan.range_min >> scan.range_max;
+  std::uint32_t count = 0;
+  cdr >> count;
+  constexpr std::uint32_t kMaxBeams = 20000;
+  if (count > kMaxBeams) throw std::runtime_error(std::to_string(count) + " beams");
+  scan.ranges.resize(count);
+  for (sensor_msgs::LaserEcho& beam : scan.ranges) cdr >> beam.echoes;
+}
+
+template <typename Vector>
+void readVector(Cdr& cdr, Vector& vector) {
+  cdr >> vector.x >> vector.y >> vector.z;
+}
+
+void read(Cdr& cdr, geometry_msgs::Quaternion& q) {
+  cdr >> q.x >> q.y >> q.z >> q.w;
+}
+
+void read(Cdr& cdr, nav_msgs::Odometry& odometry) {
+  read(cdr, odometry.header);
+  cdr >> odometry.child_frame_id;
+  readVector(cdr, odometry.pose.pose.position);
+  read(cdr, odometry.pose.pose.orientation);
+  for (double& value : odometry.pose.covariance) cdr >> value;
+  readVector(cdr, odometry.twist.twist.linear);
+  readVector(cdr, odometry.twist.twist.angular);
+}
+
+void read(Cdr& cdr, tf2_msgs::TFMessage& message) {
+  std::uint32_t count = 0;
+  cdr >> count;
+  constexpr std::uint32_t kMaxTransforms = 10000;
+  if (count > kMaxTransforms) throw std::runtime_error(std::to_string(count) + " transforms");
+  message.transforms.resize(count);
+  for (geometry_msgs::TransformStamped& transform : message.transforms) {
+    read(cdr, transform.header);
+    cdr >> transform.child_frame_id;
+    readVector(cdr, transform.transform.translation);
+    read(cdr, transform.transform.rotation);
+  }
+}
+
+template <typename Message>
+Message decodeAs(const std::string& encoding, const std::uint8_t* bytes, std::size_t size) {
+  Message message;
+  // Both readers take a pointer to non-const bytes, which they do not write to.
+  auto* begin = const_cast<std::uint8_t*>(bytes);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+  if (encoding == "ros1") {
+    ros::serialization::IStream stream(begin, static_cast<std::uint32_t>(size));
+    ros::serialization::deserialize(stream, message);
+    return message;
+  }
+  eprosima::fastcdr::FastBuffer buffer(
+      reinterpret_cast<char*>(begin),  // NOLINT(cppcoreguidelines-pro-type-reinterpret-cast)
+      size);
+  Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+  cdr.read_encapsulation();
+  read(cdr, message);
+  return message;
+}
+
+}  // namespace
+
+std::string ros1TypeName(const std::string& type) {
+  const std::size_t at = type.find("/msg/");
+  const std::string name =
+      at == std::string::npos ? type : type.substr(0, at) + type.substr(at + 4);
+  return name == "tf/tfMessage" ? kTransforms : name;
+}
+
+bool isDecodable(const std::string& ros1_type, const std::string& encoding) {
+  static const std::set<std::string> types{kScan, kEchoes, kOdometry, kTransforms};
+  return types.count(ros1_type) > 0 && (encoding == "cdr" || encoding == "ros1");
+}
+
+MessageContent decode(const std::string& ros1_type,
+                      const std::string& encoding,
+                      const std::uint8_t* bytes,
+                      std::size_t size) {
+  try {
+    if (ros1_type == kScan) return decodeAs<sensor_msgs::LaserScan>(encoding, bytes, size);
+    if (ros1_type == kEchoes)
+      return firstEchoes(decodeAs<sensor_msgs::MultiEchoLaserScan>(encoding, bytes, size));
+    if (ros1_type == kOdometry) return decodeAs<nav_msgs::Odometry>(encoding, bytes, size);
+    if (ros1_type == kTransforms) return decodeAs<tf2_msgs::TFMessage>(encoding, bytes, size);
+  } catch (const eprosima::fastcdr::exception::Exception& error) {
+    throw std::runtime_error("a damaged " + ros1_type + ": " + error.what());
+  } catch (const std::exception& error) {
+    throw std::runtime_error("a damaged " + ros1_type + ": " + error.what());
+  }
+  throw std::runtime_error("messages of type " + ros1_type + " are not read");
+}
+
+}  // namespace ramscout_bringup_ros

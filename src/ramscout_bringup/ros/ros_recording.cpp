@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ros_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+
+#include <ram_slam/ros/conversions.hpp>
+
+#include "ramscout_bringup/carmen_recording.hpp"
+
+namespace ramscout_bringup_ros {
+namespace {
+
+geometry_msgs::Transform toTransform(const Eigen::Isometry3d& transform) {
+  const Eigen::Quaterniond q(transform.linear());
+  geometry_msgs::Transform message;
+  message.translation.x = transform.translation().x();
+  message.translation.y = transform.translation().y();
+  message.translation.z = transform.translation().z();
+  message.rotation.x = q.x();
+  message.rotation.y = q.y();
+  message.rotation.z = q.z();
+  message.rotation.w = q.w();
+  return message;
+}
+
+}  // namespace
+
+RosRecording::RosRecording(std::unique_ptr<MessageSource> source,
+                           const ramscout_bringup::RecordingOptions& options)
+    : source_(std::move(source)),
+      options_(options),
+      survey_(survey(*source_, options)),
+      plan_(plan(survey_, options)) {
+  source_->restart({survey_.scans.topic});
+}
+
+std::optional<RosRecording::Reading> RosRecording::next() {
+  while (fetchScan()) {
+    const auto& scan = waiting_.at(rank_);
+    if (odometry_ < plan_.odometry.size() &&
+        (!scan || plan_.odometry[odometry_].stamp_ns <= scan->scan.stamp_ns)) {
+      if (scan) return plan_.odometry[odometry_++];
+    }
+    std::optional<ram_slam::MountedScan> taken = std::move(waiting_.at(rank_));
+    waiting_.erase(rank_++);
+    if (taken) return std::move(*taken);
+  }
+  if (odometry_ < plan_.odometry.size()) return plan_.odometry[odometry_++];
+  return std::nullopt;
+}
+
+bool RosRecording::fetchScan() {
+  while (waiting_.count(rank_) == 0) {
+    const auto message = source_->next();
+    if (!message) return false;
+    const std::size_t index = messages_read_++;
+    if (!plan_.scan_ranks.at(index)) continue;
+    takeScan(std::get<sensor_msgs::LaserScan>(message->content), index);
+  }
+  return true;
+}
+
+void RosRecording::takeScan(const sensor_msgs::LaserScan& message, std::size_t index) {
+  std::optional<ram_slam::MountedScan>& place = waiting_[*plan_.scan_ranks[index]];
+  try {
+    sensor_msgs::LaserScan corrected = message;
+    corrected.header.stamp = ram_slam_ros::toTime(plan_.scan_stamps_ns[index]);
+    ram_slam::LaserScan scan = ram_slam_ros::toLaserScan(corrected);
+    if (plan_.sweep_s)
+      scan.time_increment_s = *plan_.sweep_s / static_cast<double>(scan.ranges_m.size());
+    if (plan_.no_return_m) ram_slam::markNoReturns(*plan_.no_return_m, scan);
+    scan = ram_slam::inSweepDirection(options_.sweep_direction, std::move(scan));
+    const auto mount = mountOf(message.header.frame_id, scan.stamp_ns);
+    if (mount.upside_down) scan = ram_slam::mirrored(std::move(scan));
+    place = ram_slam::MountedScan{std::move(scan), mount.base_from_sensor};
+  } catch (const std::exception& error) {
+    ++left_out_[error.what()];
+  }
+}
+
+ram_slam_ros::Mounting RosRecording::mountOf(const std::string& frame, std::int64_t stamp_ns) {
+  if (options_.base_from_laser) return {*options_.base_from_laser, false};
+  const auto known = constant_mounts_.find(frame);
+  if (known != constant_mounts_.end()) return known->second;
+  ram_slam_ros::Mounting mount;
+  if (survey_.tree.connects(plan_.base_frame, frame)) {
+    const auto base_from_laser = survey_.tree.lookup(plan_.base_frame, frame, stamp_ns);
+    if (!base_from_laser)
+      throw std::invalid_argument("the laser's mount moves, and tf does not know it at the stamp");
+    mount = ram_slam_ros::toMounting(toTransform(*base_from_laser));
+  }
+  if (survey_.tree.isConstant(plan_.base_frame, frame)) constant_mounts_[frame] = mount;
+  return mount;
+}
+
+double RosRecording::progress() const {
+  return static_cast<double>(rank_) / static_cast<double>(plan_.read_count);
+}
+
+std::vector<std::string> RosRecording::notes() const {
+  std::vector<std::string> notes = plan_.notes;
+  for (const auto& [reason, count] : left_out_)
+    notes.push_back("left out " + std::to_string(count) + " scans: " + reason);
+  for (const std::string& note : source_->notes()) notes.push_back(note);
+  return notes;
+}
+
+namespace {
+
+/// The one recording in a folder that rosbag2 wrote.
+std::string fileIn(const std::filesystem::path& folder) {
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const auto extension = entry.path().extension();
+    if (extension == ".mcap" || extension == ".db3") files.push_back(entry.path().string());
+  }
+  if (files.size() == 1) return files.front();
+  throw std::runtime_error(folder.string() + " has " + std::to_string(files.size()) +
+                           " recordings (.mcap, .db3), wanted one: name the file");
+}
+
+}  // namespace
+
+std::unique_ptr<ramscout_bringup::Recording> openRecording(
+    const std::string& path, const ramscout_bringup::RecordingOptions& options) {
+  if (std::filesystem::is_directory(path)) return openRecording(fileIn(path), options);
+  std::string beginning(16, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  const auto begins = [&](const std::string& magic) { return beginning.rfind(magic, 0) == 0; };
+  if (begins("#ROSBAG V")) return std::make_unique<RosRecording>(openBag(path), options);
+  if (begins("\x89MCAP")) return std::make_unique<RosRecording>(openMcap(path), options);
+  if (begins("SQLite format 3")) return std::make_unique<RosRecording>(openSqlite(path), options);
+  return std::make_unique<ramscout_bringup::CarmenRecording>(path, options);
+}
+
+}  // namespace ramscout_bringup_ros

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ramscout_bringup/transform_tree.hpp"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+namespace ramscout_bringup {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+Eigen::Isometry3d pose(double x_m, double y_m, double yaw_rad) {
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  result.translate(Eigen::Vector3d(x_m, y_m, 0.0));
+  result.rotate(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
+  return result;
+}
+
+TEST(TransformTree, FollowsChainsBothWaysAndOverTime) {
+  TransformTree tree;
+  tree.add("odom", "base_footprint", 100, pose(0.0, 0.0, 0.0), false);
+  tree.add("odom", "base_footprint", 200, pose(1.0, 0.0, M_PI_2), false);
+  tree.add("/base_footprint", "/base_link", 0, pose(0.0, 0.5, 0.0), true);
+  tree.add("base_footprint", "laser", 0, pose(0.2, 0.0, M_PI), true);
+  tree.finish();
+  const auto odom_from_base = tree.lookup("odom", "base_link", 150);
+  ASSERT_TRUE(odom_from_base);
+  EXPECT_NEAR(odom_from_base->translation().x(), 0.5 - 0.5 * std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(odom_from_base->translation().y(), 0.5 * std::sqrt(0.5), 1e-12);
+  EXPECT_TRUE(tree.lookup("base_link", "odom", 150)->isApprox(odom_from_base->inverse()));
+  const auto base_from_laser = tree.lookup("base_link", "laser", 99999);
+  ASSERT_TRUE(base_from_laser) << "the part that moves is not in the way";
+  EXPECT_TRUE(base_from_laser->isApprox(pose(0.2, -0.5, M_PI)));
+  EXPECT_THAT(tree.stamps("odom", "base_link"), ElementsAre(100, 200));
+  EXPECT_THAT(tree.stamps("base_link", "laser"), IsEmpty());
+}
+
+TEST(TransformTree, DoesNotExtrapolate) {
+  TransformTree tree;
+  tree.add("odom", "base_link", 100, pose(0.0, 0.0, 0.0), false);
+  tree.add("odom", "base_link", 200, pose(1.0, 0.0, 0.0), false);
+  tree.finish();
+  EXPECT_FALSE(tree.lookup("odom", "base_link", 99));
+  EXPECT_FALSE(tree.lookup("odom", "base_link", 201));
+  EXPECT_TRUE(tree.lookup("odom", "base_link", 200));
+}
+
+TEST(TransformTree, TransformThatIsRepeatedUnchangedHoldsAlways) {
+  TransformTree tree;
+  for (int i = 0; i < 5; ++i) tree.add("base_link", "laser", i, pose(0.1, 0.0, 0.0), false);
+  tree.finish();
+  EXPECT_TRUE(tree.isConstant("base_link", "laser"));
+  EXPECT_TRUE(tree.lookup("base_link", "laser", 1000));
+}
+
+TEST(TransformTree, IgnoresWhatCannotBeAndSaysHowMuch) {
+  TransformTree tree;
+  tree.add("odom", "base_link", 0, pose(0.0, 0.0, 0.0), false);
+  tree.add("other", "base_link", 0, pose(0.0, 0.0, 0.0), false);
+  tree.add("a", "a", 0, pose(0.0, 0.0, 0.0), false);
+  tree.add("a", "b", 0, pose(std::nan(""), 0.0, 0.0), false);
+  tree.finish();
+  EXPECT_EQ(tree.ignoredCount(), 3U);
+  EXPECT_EQ(tree.frames(), "base_link, odom");
+  EXPECT_FALSE(tree.connects("odom", "laser"));
+}
+
+TEST(TransformTree, LoopOfFramesEndsTheSearch) {
+  TransformTree tree;
+  tree.add("a", "b", 0, pose(0.0, 0.0, 0.0), true);
+  tree.add("b", "a", 0, pose(0.0, 0.0, 0.0), true);
+  tree.finish();
+  EXPECT_FALSE(tree.lookup("odom", "a", 0));
+}
+
+}  // namespace
+}  // namespace ramscout_bringup
