@@ -43,8 +43,10 @@ void FastSlamDiagnostics::addRejectedList() {
 
 void FastSlamDiagnostics::set(const ram_slam::EstimatorStage& stage,
                               const ram_slam::DropCounter& queue_drops,
-                              bool paused) {
+                              bool paused,
+                              const std::string& missing_transform) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  missing_transform_ = missing_transform;
   paused_ = paused;
   is_lost_ = stage.estimator().isLost();
   state_ = stage.estimator().state();
@@ -66,6 +68,9 @@ DiagnosticStatus FastSlamDiagnostics::status() {
   if (is_lost_) {
     status.level = DiagnosticStatus::ERROR;
     status.message = "lost: " + state_;
+  } else if (!missing_transform_.empty()) {
+    status.level = DiagnosticStatus::ERROR;
+    status.message = missing_transform_;
   } else if (newly_rejected > 0) {
     status.level = newly_rejected > newly_good ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
     status.message = "features rejected";

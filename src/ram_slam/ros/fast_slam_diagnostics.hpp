@@ -16,7 +16,7 @@ namespace ram_slam_ros {
 
 /// How the estimator does, once per second on /diagnostics, from a thread of ROS's own: OK while
 /// the robot is tracked, WARN if features are rejected, do not come or are not wanted, ERROR while
-/// it is lost or most features are rejected.
+/// it is lost, a transform is missing or most features are rejected.
 class FastSlamDiagnostics {
 public:
   /// \param silence_s  without features after which that is a warning
@@ -26,7 +26,8 @@ public:
   void addRejectedList();
   void set(const ram_slam::EstimatorStage& stage,
            const ram_slam::DropCounter& queue_drops,
-           bool paused);
+           bool paused,
+           const std::string& missing_transform);
 
 private:
   void publish();
@@ -44,6 +45,7 @@ private:
   ros::WallTime newest_;
 
   bool paused_ = false;
+  std::string missing_transform_;
   bool is_lost_ = false;
   std::string state_ = "tracking";
   std::vector<std::pair<std::string, double>> health_;

@@ -41,7 +41,7 @@ void FastSlamNode::publishLost() {
                   subscribers_.empty() ? "features" : subscribers_.front().getTopic());
     queue_log_.log(queue_drops_,
                    subscribers_.empty() ? "features" : subscribers_.front().getTopic());
-    diagnostics_.set(stage_, queue_drops_, paused_);
+    diagnostics_.set(stage_, queue_drops_, paused_, map_to_odom_.missingTransform());
   }
   if (published_lost_ == estimator.isLost()) return;
   if (estimator.isLost()) {

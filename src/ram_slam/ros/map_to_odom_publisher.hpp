@@ -2,9 +2,11 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include <tf2_ros/buffer.h>
@@ -33,6 +35,8 @@ public:
   /// How the base moved in the odometry frame, if tf knows. A jump of that frame's origin is no
   /// motion.
   std::optional<ram_slam::Pose2> odometryBetween(std::int64_t from_ns, std::int64_t to_ns) const;
+  /// The transform that has been missing for 2 s, and who should publish it; empty if none is.
+  std::string missingTransform() const;
   /// Back to map = odom, after the clock was set back.
   void reset();
 
@@ -44,18 +48,22 @@ private:
   void run();
   void publishIfDue();
   void applyCorrection();
+  bool isMissing() const;
+  std::string missingText() const;
 
   ram_slam::Frames frames_;
   ram_slam::MapToOdomParameters parameters_;
   std::int64_t ahead_ns_;
   const tf2_ros::Buffer& buffer_;
   tf2_ros::TransformBroadcaster broadcaster_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::optional<Correction> pending_;
   std::optional<ram_slam::Pose2> map_from_odom_;
   std::int64_t last_data_ns_ = 0;
   std::int64_t last_sent_ns_ = 0;
   bool changed_ = false;
+  /// Since when corrections wait for the odometry in tf.
+  std::optional<std::chrono::steady_clock::time_point> waiting_since_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

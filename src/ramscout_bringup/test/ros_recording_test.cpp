@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is found out about a recording: each test is a kind of recording that robots leave.
+#include "../ros/ros_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include <gmock/gmock.h>
+
+#include "../ros/message_decoder.hpp"
+
+namespace ramscout_bringup_ros {
+namespace {
+
+using ramscout_bringup::RecordingOptions;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// A recording in memory.
+class Memory : public MessageSource {
+public:
+  explicit Memory(std::vector<RecordedMessage> messages) : messages_(std::move(messages)) {
+    const char* const kTypes[] = {"sensor_msgs/LaserScan", "nav_msgs/Odometry",
+                                  "tf2_msgs/TFMessage"};
+    for (const RecordedMessage& message : messages_) {
+      const auto known = std::find_if(topics_.begin(), topics_.end(), [&](const auto& topic) {
+        return topic.name == message.topic;
+      });
+      if (known == topics_.end())
+        topics_.push_back({message.topic, kTypes[message.content.index()], 1});
+    }
+  }
+  const std::vector<ramscout_bringup::RecordedTopic>& topics() const override { return topics_; }
+  void restart(const std::vector<std::string>& topics) override {
+    wanted_ = topics;
+    next_ = 0;
+  }
+  std::optional<RecordedMessage> next() override {
+    while (next_ < messages_.size()) {
+      const RecordedMessage& message = messages_[next_++];
+      if (std::count(wanted_.begin(), wanted_.end(), message.topic) > 0) return message;
+    }
+    return std::nullopt;
+  }
+
+private:
+  std::vector<RecordedMessage> messages_;
+  std::vector<ramscout_bringup::RecordedTopic> topics_;
+  std::vector<std::string> wanted_;
+  std::size_t next_ = 0;
+};
+
+ros::Time time(double t_s) {
+  return ros::Time(1000.0 + t_s);
+}
+
+RecordedMessage message(const std::string& topic, double t_s, const MessageContent& content) {
+  return {topic, static_cast<std::int64_t>(time(t_s).toNSec()), content};
+}
+
+sensor_msgs::LaserScan scan(double t_s, const std::string& frame = "laser") {
+  sensor_msgs::LaserScan scan;
+  scan.header.stamp = time(t_s);
+  scan.header.frame_id = frame;
+  scan.angle_min = -1.0F;
+  scan.angle_max = 1.0F;
+  scan.angle_increment = 0.5F;
+  scan.range_min = 0.1F;
+  scan.range_max = 8.0F;
+  scan.ranges = {1.0F, 2.0F, 3.0F, 2.0F, 1.0F};
+  return scan;
+}
+
+nav_msgs::Odometry odometry(double t_s, double x_m, const std::string& child = "base_link") {
+  nav_msgs::Odometry odometry;
+  odometry.header.stamp = time(t_s);
+  odometry.header.frame_id = "odom";
+  odometry.child_frame_id = child;
+  odometry.pose.pose.position.x = x_m;
+  odometry.pose.pose.orientation.w = 1.0;
+  return odometry;
+}
+
+tf2_msgs::TFMessage transform(const std::string& parent,
+                              const std::string& child,
+                              double t_s,
+                              double x_m,
+                              double yaw_rad = 0.0) {
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  message.transforms[0].header.stamp = time(t_s);
+  message.transforms[0].header.frame_id = parent;
+  message.transforms[0].child_frame_id = child;
+  message.transforms[0].transform.translation.x = x_m;
+  message.transforms[0].transform.rotation.z = std::sin(0.5 * yaw_rad);
+  message.transforms[0].transform.rotation.w = std::cos(0.5 * yaw_rad);
+  return message;
+}
+
+/// 20 s of driving at 0.5 m/s: scans at 5 Hz, odometry at 10 Hz.
+class Drive {
+public:
+  Drive() {
+    messages.push_back(message("/tf_static", 0.0, transform("base_link", "laser", 0.0, 0.2)));
+  }
+  Drive& withScans() {
+    for (int i = 0; i < 100; ++i) messages.push_back(message("/scan", 0.2 * i, scan(0.2 * i)));
+    return *this;
+  }
+  Drive& withOdometry(const std::string& topic = "/odom", const std::string& child = "base_link") {
+    for (int i = 0; i <= 200; ++i)
+      messages.push_back(message(topic, 0.1 * i, odometry(0.1 * i, 0.05 * i, child)));
+    return *this;
+  }
+  template <typename Content, typename Change>
+  Drive& change(const Change& change) {
+    for (RecordedMessage& message : messages)
+      if (auto* content = std::get_if<Content>(&message.content)) change(*content);
+    return *this;
+  }
+  std::vector<RecordedMessage> messages;
+};
+
+RosRecording open(const Drive& drive, const RecordingOptions& options = {}) {
+  return {std::make_unique<Memory>(drive.messages), options};
+}
+
+std::string errorOf(const Drive& drive, const RecordingOptions& options = {}) {
+  try {
+    open(drive, options);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+struct Content {
+  std::vector<ram_slam::MountedScan> scans;
+  std::vector<ram_slam::StampedPose2> odometry;
+  bool is_in_order = true;
+};
+
+Content readAll(RosRecording& recording) {
+  Content content;
+  std::int64_t last_ns = 0;
+  while (auto reading = recording.next()) {
+    std::int64_t stamp_ns = 0;
+    if (auto* mounted = std::get_if<ram_slam::MountedScan>(&*reading)) {
+      stamp_ns = mounted->scan.stamp_ns;
+      content.scans.push_back(std::move(*mounted));
+    } else {
+      stamp_ns = std::get<ram_slam::StampedPose2>(*reading).stamp_ns;
+      content.odometry.push_back(std::get<ram_slam::StampedPose2>(*reading));
+    }
+    content.is_in_order = content.is_in_order && stamp_ns >= last_ns;
+    last_ns = stamp_ns;
+  }
+  return content;
+}
+
+TEST(RosRecording, GivesScansAndOdometryInTheOrderOfTheirStampsHoweverTheFileWasWritten) {
+  RosRecording recording = open(Drive().withOdometry().withScans());  // one topic after the other
+  const Content content = readAll(recording);
+  EXPECT_THAT(content.scans, SizeIs(100U));
+  EXPECT_THAT(content.odometry, SizeIs(201U));
+  EXPECT_TRUE(content.is_in_order);
+  EXPECT_NEAR(content.scans[0].base_from_laser.x_m, 0.2, 1e-12);
+  EXPECT_THAT(recording.notes(), Contains("odometry: 201 of /odom"));
+  EXPECT_THAT(recording.notes(), Contains("scans: 100 of /scan, 5.0 Hz, 5 beams over 143 deg"));
+}
+
+TEST(RosRecording, ScanInTheBaseFrameNeedsNoTf) {
+  Drive drive = Drive().withScans().withOdometry();
+  drive.messages.erase(drive.messages.begin());
+  drive.change<sensor_msgs::LaserScan>([](auto& scan) { scan.header.frame_id = "base_link"; });
+  RosRecording recording = open(drive);
+  EXPECT_EQ(readAll(recording).scans.front().base_from_laser.x_m, 0.0);
+}
+
+TEST(RosRecording, WithoutAnyTfTheMountIsAssumedAndSaidSo) {
+  Drive drive = Drive().withScans().withOdometry();
+  drive.messages.erase(drive.messages.begin());
+  EXPECT_THAT(open(drive).notes(),
+              Contains(HasSubstr("laser frame 'laser' is assumed at 'base_link'")));
+  RecordingOptions options;
+  options.base_from_laser = ram_slam::Pose2{0.3, 0.0, M_PI};
+  RosRecording recording = open(drive, options);
+  EXPECT_EQ(readAll(recording).scans.front().base_from_laser.x_m, 0.3);
+}
+
+TEST(RosRecording, LaserThatTfDoesNotKnowIsRefusedWithTheFramesThereAre) {
+  Drive drive = Drive().withScans();
+  drive.change<sensor_msgs::LaserScan>([](auto& scan) { scan.header.frame_id = "lidar"; });
+  EXPECT_THAT(errorOf(drive),
+              HasSubstr("laser's frame 'lidar' to 'base_link'; frames: base_link, laser"));
+}
+
+TEST(RosRecording, EachLaserOfATopicHasItsOwnMount) {
+  Drive drive = Drive().withScans();
+  drive.messages.push_back(
+      message("/tf_static", 0.0, transform("base_link", "rear", 0.0, -0.2, M_PI)));
+  drive.messages.push_back(message("/scan", 3.05, scan(3.05, "rear")));
+  RosRecording recording = open(drive);
+  const Content content = readAll(recording);
+  EXPECT_NEAR(content.scans[16].base_from_laser.x_m, -0.2, 1e-12);
+  EXPECT_NEAR(content.scans[17].base_from_laser.x_m, 0.2, 1e-12);
+  EXPECT_THAT(recording.notes(), Contains(HasSubstr("several lasers")));
+}
+
+TEST(RosRecording, LaserUpsideDownIsTurnedUp) {
+  Drive drive = Drive().withScans();
+  auto& rotation = std::get<tf2_msgs::TFMessage>(drive.messages.front().content)
+                       .transforms[0]
+                       .transform.rotation;
+  rotation.x = 1.0;
+  rotation.w = 0.0;
+  RosRecording recording = open(drive);
+  EXPECT_DOUBLE_EQ(readAll(recording).scans.front().scan.angle_min_rad, 1.0);
+}
+
+TEST(RosRecording, OdometryOnTfIsFollowedOverTheChain) {
+  Drive drive = Drive().withScans();
+  for (int i = 0; i <= 200; ++i)
+    drive.messages.push_back(
+        message("/tf", 0.1 * i, transform("odom", "base_footprint", 0.1 * i, 0.05 * i)));
+  drive.messages.push_back(
+      message("/tf_static", 0.0, transform("base_footprint", "base_link", 0.0, 0.0)));
+  RosRecording recording = open(drive);
+  EXPECT_THAT(recording.notes(), Contains("odometry: 201 of tf odom -> base_link"));
+  EXPECT_NEAR(readAll(recording).odometry.back().pose.x_m, 10.0, 1e-9);
+}
+
+TEST(RosRecording, OdometryOfACameraIsBroughtToTheBase) {
+  Drive drive = Drive().withScans().withOdometry("/camera/odom", "camera");
+  drive.messages.push_back(
+      message("/tf_static", 0.0, transform("base_link", "camera", 0.0, 0.3, M_PI)));
+  RosRecording recording = open(drive);
+  const Content content = readAll(recording);
+  const ram_slam::Pose2 moved =
+      content.odometry.front().pose.inverse() * content.odometry.back().pose;
+  EXPECT_NEAR(moved.x_m, -10.0, 1e-9) << "the camera looks back";
+  EXPECT_THAT(recording.notes(),
+              Contains(HasSubstr("odometry of 'camera' is brought to 'base_link'")));
+}
+
+TEST(RosRecording, OdometryOfAFrameThatTfDoesNotKnowIsRefused) {
+  EXPECT_THAT(errorOf(Drive().withScans().withOdometry("/odom", "camera")),
+              HasSubstr("/odom gives the pose of 'camera'"));
+}
+
+TEST(RosRecording, TwistIsIntegratedWhereThePoseIsNeverFilledIn) {
+  Drive drive = Drive().withScans().withOdometry();
+  drive.change<nav_msgs::Odometry>([](auto& odometry) {
+    odometry.pose.pose.position.x = 0.0;
+    odometry.twist.twist.linear.x = 0.5;
+  });
+  RosRecording recording = open(drive);
+  EXPECT_THAT(recording.notes(),
+              Contains("odometry: 201 of /odom, its twist integrated: its poses never move"));
+  EXPECT_NEAR(readAll(recording).odometry.back().pose.x_m, 10.0, 1e-9);
+}
+
+TEST(RosRecording, OdometryThatNeverMovesIsLeftOut) {
+  Drive drive = Drive().withScans().withOdometry();
+  drive.change<nav_msgs::Odometry>([](auto& odometry) { odometry.pose.pose.position.x = 1.0; });
+  EXPECT_THAT(open(drive).notes(), Contains("no odometry: /odom never moves"));
+}
+
+TEST(RosRecording, OdometryThatEndsEarlyIsNoted) {
+  Drive drive = Drive().withScans().withOdometry();
+  drive.messages.resize(drive.messages.size() - 100);
+  EXPECT_THAT(open(drive).notes(), Contains(HasSubstr("odometry ends 9.8 s before the scans")));
+}
+
+TEST(RosRecording, ClocksApartAreNamedWithTheirOffset) {
+  Drive drive = Drive().withScans().withOdometry();
+  drive.change<sensor_msgs::LaserScan>(
+      [](auto& scan) { scan.header.stamp += ros::Duration(3624.0); });
+  EXPECT_THAT(errorOf(drive), HasSubstr("3624.0 s ahead of those of /odom"));
+  RecordingOptions options;
+  options.scan_clock_offset_s = -3624.0;
+  RosRecording recording = open(drive, options);
+  EXPECT_TRUE(readAll(recording).is_in_order);
+  EXPECT_THAT(recording.notes(), Contains("stamps of the scans shifted by -3624.000 s"));
+}
+
+TEST(RosRecording, StampsThatRepeatAreReplacedByTheTimesOfRecording) {
+  Drive drive = Drive().withScans();
+  drive.change<sensor_msgs::LaserScan>(
+      [](auto& scan) { scan.header.stamp = ros::Time(scan.header.stamp.sec, 0); });
+  RosRecording recording = open(drive);
+  EXPECT_THAT(recording.notes(),
+              Contains(HasSubstr("100 messages of /scan have only 20 different stamps")));
+  EXPECT_NEAR(1e-9 * static_cast<double>(readAll(recording).scans[7].scan.stamp_ns), 1001.4, 1e-6);
+}
+
+TEST(RosRecording, DriveAfterTheClockWasSetBackIsReadByItself) {
+  Drive drive = Drive().withScans();
+  for (int i = 0; i < 50; ++i)
+    drive.messages.push_back(message("/scan", 30.0 + 0.2 * i, scan(0.2 * i)));
+  EXPECT_THAT(errorOf(drive), HasSubstr("read one of them with --part 1 to 2"));
+  RecordingOptions options;
+  options.part = 2;
+  RosRecording recording = open(drive, options);
+  EXPECT_THAT(readAll(recording).scans, SizeIs(50U));
+}
+
+TEST(RosRecording, ScanThatIsRefusedIsCountedWithItsReason) {
+  Drive drive = Drive().withScans();
+  drive.change<sensor_msgs::LaserScan>([](auto& scan) { scan.angle_increment = 28.6F; });
+  RosRecording recording = open(drive);
+  EXPECT_THAT(readAll(recording).scans, SizeIs(0U));
+  EXPECT_THAT(recording.notes(), Contains(HasSubstr("left out 100 scans: scan over 114.4")));
+  EXPECT_EQ(recording.scanCount(), 100U);
+}
+
+TEST(RosRecording, ReadingsAtTheLimitAndScansWithoutLimitAreNoted) {
+  Drive drive = Drive().withScans();
+  drive.change<sensor_msgs::LaserScan>([](auto& scan) { scan.ranges[0] = 8.0F; });
+  RosRecording recording = open(drive);
+  EXPECT_EQ(readAll(recording).scans[0].scan.ranges_m[0], kInfinity);
+  EXPECT_THAT(recording.notes(),
+              Contains("100 readings at range_max (8.00 m) mean that nothing came back"));
+  drive.change<sensor_msgs::LaserScan>([](auto& scan) { scan.range_max = kInfinity; });
+  EXPECT_THAT(open(drive).notes(),
+              Contains("100 scans name no limit of their range: 100 m is assumed"));
+}
+
+TEST(RosRecording, CodeForNothingBelowTheLimitIsRecognised) {
+  Drive drive = Drive().withScans();
+  drive.change<sensor_msgs::LaserScan>([](auto& scan) {
+    scan.range_max = 100.0F;
+    scan.ranges[1] = 81.83F;
+  });
+  RosRecording recording = open(drive);
+  EXPECT_EQ(readAll(recording).scans[5].scan.ranges_m[1], kInfinity);
+  EXPECT_THAT(recording.notes(),
+              Contains("readings of 81.83 m and more mean that nothing came back"));
+}
+
+TEST(RosRecording, SweepComesFromTheRateWhereTimeIncrementCannotBeTrue) {
+  Drive drive = Drive().withScans();
+  drive.change<sensor_msgs::LaserScan>([](auto& scan) { scan.time_increment = 150000.0F; });
+  RosRecording recording = open(drive);
+  const double share = 5 * 0.5 / (2.0 * M_PI);  // of a turn
+  EXPECT_NEAR(readAll(recording).scans[0].scan.time_increment_s, 0.2 * share / 5, 1e-9);
+  EXPECT_THAT(recording.notes(), Contains(HasSubstr("assumed from the rate of the scans")));
+}
+
+TEST(RosRecording, ReadingsAreTakenInTheDirectionThatIsAskedFor) {
+  RecordingOptions options;
+  options.sweep_direction = ram_slam::SweepDirection::kClockwise;
+  Drive drive = Drive().withScans();
+  drive.change<sensor_msgs::LaserScan>([](auto& scan) { scan.ranges[0] = 7.0F; });
+  RosRecording recording = open(drive, options);
+  const ram_slam::LaserScan scan = readAll(recording).scans[0].scan;
+  EXPECT_DOUBLE_EQ(scan.angle_min_rad, 1.0);
+  EXPECT_EQ(scan.ranges_m.back(), 7.0F);
+}
+
+TEST(RosRecording, TopicsThatAreNotUsedAreNamed) {
+  Drive drive = Drive().withScans().withOdometry();
+  drive.messages.push_back(message("/camera/scan", 0.0, scan(0.0)));
+  EXPECT_THAT(open(drive).notes(), Contains("not used: /camera/scan (sensor_msgs/LaserScan)"));
+}
+
+TEST(RosRecording, BaseFrameComesFromTheOdometryWhereThereIsNoBaseLink) {
+  Drive drive;
+  drive.messages = {message("/tf_static", 0.0, transform("chassis", "laser", 0.0, 0.4))};
+  drive.withScans().withOdometry("/odom", "chassis");
+  RosRecording recording = open(drive);
+  EXPECT_THAT(recording.notes(), Contains("base frame: chassis"));
+  EXPECT_NEAR(readAll(recording).scans[0].base_from_laser.x_m, 0.4, 1e-12);
+  RecordingOptions options;
+  options.base_frame = "base";
+  EXPECT_THAT(errorOf(drive, options),
+              HasSubstr("no frame 'base' (--base-frame); its frames: chassis, laser"));
+}
+
+}  // namespace
+}  // namespace ramscout_bringup_ros
