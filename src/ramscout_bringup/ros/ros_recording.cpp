@@ -41,14 +41,16 @@ RosRecording::RosRecording(std::unique_ptr<MessageSource> source,
 
 std::optional<RosRecording::Reading> RosRecording::next() {
   while (fetchScan()) {
-    const auto& scan = waiting_.at(rank_);
-    if (odometry_ < plan_.odometry.size() &&
-        (!scan || plan_.odometry[odometry_].stamp_ns <= scan->scan.stamp_ns)) {
-      if (scan) return plan_.odometry[odometry_++];
+    const auto scan = waiting_.find(rank_);
+    if (scan->second && odometry_ < plan_.odometry.size() &&
+        plan_.odometry[odometry_].stamp_ns <= scan->second->scan.stamp_ns) {
+      return plan_.odometry[odometry_++];
     }
-    std::optional<ram_slam::MountedScan> taken = std::move(waiting_.at(rank_));
-    waiting_.erase(rank_++);
-    if (taken) return std::move(*taken);
+    std::optional<Reading> reading;
+    if (scan->second) reading.emplace(std::move(*scan->second));
+    waiting_.erase(scan);
+    ++rank_;
+    if (reading) return reading;
   }
   if (odometry_ < plan_.odometry.size()) return plan_.odometry[odometry_++];
   return std::nullopt;

@@ -58,8 +58,27 @@ std::vector<bool> misplaced(const std::vector<std::int64_t>& stamps_ns) {
   return result;
 }
 
-void reviewSteps(std::vector<std::int64_t> sorted_ns, StampReview& review) {
-  std::sort(sorted_ns.begin(), sorted_ns.end());
+/// Whether a stamp lies where the others miss one: then the message was written late.
+bool fillsAHole(std::int64_t stamp_ns,
+                const std::vector<std::int64_t>& sorted_ns,
+                double period_s) {
+  // Between regular stamps the nearest one is never farther than half a step.
+  constexpr double kLeastDistance = 0.75;  // steps
+  const auto next = std::lower_bound(sorted_ns.begin(), sorted_ns.end(), stamp_ns);
+  if (next == sorted_ns.begin() || next == sorted_ns.end()) return false;
+  const std::int64_t nearest_ns = std::min(*next - stamp_ns, stamp_ns - *(next - 1));
+  return 1e-9 * static_cast<double>(nearest_ns) >= kLeastDistance * period_s;
+}
+
+/// Whether the stamps fall so often that these are no drives, but a file in no order of time.
+bool isInNoOrder(const std::vector<std::int64_t>& stamps_ns) {
+  std::size_t fall_count = 0;
+  for (std::size_t i = 1; i < stamps_ns.size(); ++i)
+    fall_count += stamps_ns[i] < stamps_ns[i - 1] - kToleranceNs ? 1 : 0;
+  return fall_count * kLeastDrive > stamps_ns.size();
+}
+
+void reviewSteps(const std::vector<std::int64_t>& sorted_ns, StampReview& review) {
   std::vector<std::int64_t> steps_ns;
   for (std::size_t i = 1; i < sorted_ns.size(); ++i) {
     const std::int64_t step_ns = sorted_ns[i] - sorted_ns[i - 1];
@@ -106,16 +125,17 @@ std::pair<std::size_t, std::size_t> limits(const std::vector<std::int64_t>& stam
 
 StampReview reviewStamps(const std::vector<std::int64_t>& stamps_ns) {
   StampReview review;
-  std::vector<bool> is_misplaced = misplaced(stamps_ns);
+  const std::vector<bool> is_misplaced = misplaced(stamps_ns);
+  std::vector<std::size_t> suspects;  // few misplaced ones in a row
   std::vector<std::int64_t> kept_ns;
   std::int64_t newest_ns = std::numeric_limits<std::int64_t>::min() + kToleranceNs;
   for (std::size_t i = 0; i < stamps_ns.size();) {
     std::size_t end = i;
     while (end < stamps_ns.size() && is_misplaced[end] == is_misplaced[i]) ++end;
-    const bool is_stray = is_misplaced[i] && end - i < kLeastDrive;
+    const bool are_few = is_misplaced[i] && end - i < kLeastDrive;
     for (; i < end; ++i) {
-      if (is_stray) {
-        review.stray.push_back(i);
+      if (are_few) {
+        suspects.push_back(i);
         continue;
       }
       if (stamps_ns[i] < newest_ns - kToleranceNs) {
@@ -126,7 +146,14 @@ StampReview reviewStamps(const std::vector<std::int64_t>& stamps_ns) {
       kept_ns.push_back(stamps_ns[i]);
     }
   }
-  reviewSteps(std::move(kept_ns), review);
+  std::sort(kept_ns.begin(), kept_ns.end());
+  reviewSteps(kept_ns, review);
+  if (isInNoOrder(stamps_ns)) {
+    review.reset.clear();
+    return review;
+  }
+  for (const std::size_t i : suspects)
+    if (!fillsAHole(stamps_ns[i], kept_ns, review.period_s)) review.stray.push_back(i);
   return review;
 }
 

@@ -76,7 +76,7 @@ TEST_F(CarmenRecordingTest, NotesStateCountsMountAndWhatWasLeftOut) {
   EXPECT_THAT(notes, Contains("scans: 3"));
   EXPECT_THAT(notes, Contains("odometry: 3"));
   EXPECT_THAT(notes, Contains(HasSubstr("x 0.1 m")));
-  EXPECT_THAT(notes, Contains(HasSubstr("1 damaged lines")));
+  EXPECT_THAT(notes, Contains(HasSubstr("left out 1 laser lines: damaged")));
   EXPECT_THAT(notes, Contains(HasSubstr("1 scans with the stamp of another")));
 }
 

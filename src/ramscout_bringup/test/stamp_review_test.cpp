@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_bringup/stamp_review.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -58,6 +59,22 @@ TEST(StampReview, ClockThatWasSetBackBeginsAnotherDrive) {
     append(stamps_ns, drive(100, second));
     EXPECT_THAT(reviewStamps(stamps_ns).reset, ElementsAre(100U)) << second;
   }
+}
+
+TEST(StampReview, MessageThatWasWrittenLateButFillsAHoleIsNothing) {
+  std::vector<std::int64_t> stamps_ns = drive(100, 100);
+  std::rotate(stamps_ns.begin() + 20, stamps_ns.begin() + 21, stamps_ns.begin() + 80);
+  EXPECT_THAT(reviewStamps(stamps_ns).stray, IsEmpty());
+}
+
+TEST(StampReview, FileInNoOrderOfTimeIsOneDrive) {
+  std::vector<std::int64_t> stamps_ns = drive(100, 101);
+  std::vector<std::int64_t> shuffled_ns;
+  for (std::size_t i = 0; i < stamps_ns.size(); ++i)
+    shuffled_ns.push_back(stamps_ns[i * 37 % stamps_ns.size()]);
+  const StampReview review = reviewStamps(shuffled_ns);
+  EXPECT_THAT(review.reset, IsEmpty());
+  EXPECT_THAT(review.stray, IsEmpty());
 }
 
 TEST(StampReview, LongPauseIsAGapAndNoReset) {
