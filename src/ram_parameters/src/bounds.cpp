@@ -16,6 +16,13 @@ std::string listText(const std::vector<Value>& values) {
   return text + "]";
 }
 
+/// Words that YAML 1.1 (rosparam) takes for a truth value or for nothing, in any case.
+bool isYamlWord(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text == "true" || text == "false" || text == "yes" || text == "no" || text == "on" ||
+         text == "off" || text == "y" || text == "n" || text == "null";
+}
+
 }  // namespace
 
 bool Bounds::contain(double value) const {
@@ -57,10 +64,16 @@ std::string toYamlText(bool value) {
 }
 
 std::string toYamlText(const std::string& value) {
-  const bool is_plain = !value.empty() &&
-                        std::isalpha(static_cast<unsigned char>(value.front())) != 0 &&
-                        value.find_first_of(": #'\"[]{},&*!|>%@`") == std::string::npos;
-  return is_plain ? value : '"' + value + '"';
+  const bool is_plain =
+      !value.empty() && std::isalpha(static_cast<unsigned char>(value.front())) != 0 &&
+      value.find_first_of(": #'\"[]{},&*!|>%@`\\") == std::string::npos && !isYamlWord(value);
+  if (is_plain) return value;
+  std::string quoted = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + '"';
 }
 
 std::string toYamlText(const std::vector<double>& values) {
