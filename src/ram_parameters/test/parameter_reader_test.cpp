@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_parameters/parameter_reader.hpp"
 
+#include <cstdio>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -109,6 +111,154 @@ TEST(ParameterReader, ReadsASection) {
 TEST(ParameterReader, RefusesWhatIsNotAMap) {
   EXPECT_THROW(readerOf("[1, 2]"), std::invalid_argument);
   EXPECT_THROW(readYamlFile("/does/not/exist.yaml"), std::runtime_error);
+}
+
+TEST(ParameterReader, RefusesEachTypeByKeyValueAndWhatWasWanted) {
+  const auto refusalOf = [](const std::string& yaml, auto value) {
+    ParameterReader reader = readerOf(yaml);
+    return messageOf([&] { reader.read("k", value); });
+  };
+  EXPECT_EQ(refusalOf("{k: 3}", true), "/node: parameter 'k' is 3, wanted true or false");
+  EXPECT_EQ(refusalOf("{k: 0.5}", 1), "/node: parameter 'k' is 0.5, wanted an integer");
+  EXPECT_EQ(refusalOf("{k: text}", 1.0), "/node: parameter 'k' is text, wanted a finite number");
+  EXPECT_EQ(refusalOf("{k: [a, b]}", std::string()),
+            "/node: parameter 'k' is [a, b], wanted a string");
+  EXPECT_EQ(refusalOf("{k: [1, x]}", std::vector<double>()),
+            "/node: parameter 'k' is [1, x], wanted a list of finite numbers");
+  EXPECT_EQ(refusalOf("{k: 7}", std::vector<double>()),
+            "/node: parameter 'k' is 7, wanted a list of finite numbers");
+  EXPECT_EQ(refusalOf("{k: [[a], b]}", std::vector<std::string>()),
+            "/node: parameter 'k' is [[a], b], wanted a list of strings");
+  EXPECT_EQ(refusalOf("{k: a}", std::vector<std::string>()),
+            "/node: parameter 'k' is a, wanted a list of strings");
+}
+
+TEST(ParameterReader, ARefusedListLeavesTheOldOneAsItWas) {
+  ParameterReader reader = readerOf("{k: [1, 2, .nan]}");
+  std::vector<double> values{7.0};
+  EXPECT_THROW(reader.read("k", values), std::invalid_argument);
+  EXPECT_THAT(values, ElementsAre(7.0));
+}
+
+TEST(ParameterReader, TheLargestAndSmallestIntegersPassAndTheNextDoNot) {
+  for (const int limit : {2147483647, -2147483647}) {
+    ParameterReader reader = readerOf("{k: " + std::to_string(limit) + "}");
+    int value = 0;
+    reader.read("k", value);
+    EXPECT_EQ(value, limit);
+  }
+  for (const char* yaml : {"{k: 2147483648}", "{k: -2147483649}"}) {
+    ParameterReader reader = readerOf(yaml);
+    int value = 5;
+    EXPECT_THROW(reader.read("k", value), std::invalid_argument) << yaml;
+    EXPECT_EQ(value, 5);
+  }
+}
+
+TEST(ParameterReader, AWholeNumberWrittenAsADoubleIsAnInteger) {
+  ParameterReader reader = readerOf("{k: 4.0}");
+  int value = 0;
+  reader.read("k", value);
+  EXPECT_EQ(value, 4);
+}
+
+TEST(ParameterReader, AQuotedWordIsATextAndNeverATruthValue) {
+  ParameterReader reader = readerOf("{k: 'true'}");
+  bool flag = false;
+  std::string text;
+  EXPECT_THAT(messageOf([&] { reader.read("k", flag); }), HasSubstr("wanted true or false"));
+  reader.read("k", text);
+  EXPECT_FALSE(flag);
+  EXPECT_EQ(text, "true");
+}
+
+TEST(ParameterReader, AnEmptyListReplacesTheDefault) {
+  ParameterReader reader = readerOf("{d: [], s: []}");
+  std::vector<double> numbers{1.0};
+  std::vector<std::string> texts{"a"};
+  reader.read("d", numbers);
+  reader.read("s", texts);
+  EXPECT_THAT(numbers, testing::IsEmpty());
+  EXPECT_THAT(texts, testing::IsEmpty());
+}
+
+TEST(ParameterReader, ASlashReachesIntoMapsAtAnyDepth) {
+  ParameterReader reader = readerOf("{a: {b: {c: 3, d: 4}}}");
+  int c = 0;
+  int absent = 9;
+  reader.read("a/b/c", c);
+  reader.read("a/x/c", absent);
+  EXPECT_EQ(c, 3);
+  EXPECT_EQ(absent, 9);
+  EXPECT_TRUE(reader.has("a/b"));
+  EXPECT_FALSE(reader.has("a/b/e"));
+}
+
+TEST(ParameterReader, AnUnknownKeyWithinAMapIsNamedByItsPath) {
+  ParameterReader reader = readerOf("{a: {b: {width: 3, wdith: 4}}}");
+  int width = 0;
+  reader.read("a/b/width", width);
+  EXPECT_EQ(messageOf([&] { reader.rejectUnknown(); }),
+            "/node: unknown parameter 'a/b/wdith'; the nearest known one is 'a/b/width'");
+}
+
+TEST(ParameterReader, AValueWhereAMapIsNeededIsRefusedByTheNameOfTheMap) {
+  ParameterReader reader = readerOf("{a: {b: 5}}");
+  int value = 0;
+  EXPECT_EQ(messageOf([&] { reader.read("a/b/c", value); }),
+            "/node: parameter 'a/b' is 5, wanted a map");
+}
+
+TEST(ParameterReader, WithoutAnyKnownKeyThereIsNoHint) {
+  EXPECT_EQ(messageOf([] { readerOf("{oops: 1}").rejectUnknown(); }),
+            "/node: unknown parameter 'oops'");
+}
+
+TEST(ParameterReader, TheNearestKeyIsTheOneOfTheFewestEdits) {
+  // One substitution, one insertion, one deletion, and two edits to another key.
+  for (const char* typo : {"scan_topik", "scan_toppic", "scan_topc"}) {
+    ParameterReader reader = readerOf(std::string("{") + typo + ": 1}");
+    std::string text;
+    for (const char* key : {"scan", "scan_rate", "scan_topic", "scan_topics_all"})
+      reader.read(key, text);
+    EXPECT_THAT(messageOf([&] { reader.rejectUnknown(); }), HasSubstr("'scan_topic'")) << typo;
+  }
+}
+
+TEST(ParameterReader, AKeyThatWasOnlyAskedForIsKnown) {
+  ParameterReader reader = readerOf("{k: 1}");
+  EXPECT_TRUE(reader.has("k"));
+  EXPECT_EQ(messageOf([&] { reader.rejectUnknown(); }), "nothing was thrown");
+}
+
+TEST(ParameterReader, AnAbsentSectionHasOnlyDefaults) {
+  ParameterReader reader = readerOf("{other: 1}");
+  ParameterReader section = reader.section("noise");
+  double sigma_m = 0.25;
+  section.read("sigma_m", sigma_m);
+  section.rejectUnknown();
+  EXPECT_EQ(sigma_m, 0.25);
+}
+
+TEST(ParameterReader, ASectionThatIsNoMapIsRefused) {
+  ParameterReader reader = readerOf("{noise: [1]}");
+  EXPECT_EQ(messageOf([&] { reader.section("noise"); }), "/node/noise: wanted a map of parameters");
+}
+
+TEST(ReadYamlFile, NamesAFileThatDoesNotExistOrIsNoYaml) {
+  const std::string path = testing::TempDir() + "parameter_reader_test.yaml";
+  std::ofstream(path) << "a: [1, 2\n";
+  for (const std::string& name : {path, std::string("/does/not/exist.yaml")}) {
+    try {
+      readYamlFile(name);
+      FAIL() << name;
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("cannot read " + name));
+    }
+  }
+  std::ofstream(path) << "a: [1, 2]\n";
+  EXPECT_EQ(readYamlFile(path)["a"].size(), 2U);
+  std::remove(path.c_str());
 }
 
 }  // namespace

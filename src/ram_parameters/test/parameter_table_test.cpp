@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_parameters/parameter_table.hpp"
 
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 
 namespace ram_parameters {
@@ -153,6 +158,117 @@ TEST(ParameterTable, ReferenceListsExpertParametersToo) {
   EXPECT_THAT(
       toMarkdown(file()),
       HasSubstr("| `tiny` *(expert)* | `1.0e-08` | m^2/m | > 0, known to work < 1 | Small. |"));
+}
+
+TEST(ParameterTable, CheckNamesTheFirstParameterThatBreaksItsBound) {
+  Outer values;
+  values.count = 0;
+  values.nested.width_m = -1.0;
+  try {
+    values.validate();
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("count must be in [1, 10], got 0"));
+  }
+}
+
+TEST(ParameterTable, ReadAloneChecksNoBoundsAndLeavesUnknownKeysToOthers) {
+  ParameterReader reader(YAML::Load("{count: 99, of_another_table: 1}"), "test");
+  Outer values;
+  Outer::table().read(reader, values);
+  EXPECT_EQ(values.count, 99);
+  EXPECT_THROW(Outer::table().check(values), std::invalid_argument);
+}
+
+TEST(ParameterTable, NotANumberBreaksEveryBound) {
+  Outer values;
+  values.tiny = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(values.validate(), std::invalid_argument);
+  values.tiny = std::numeric_limits<double>::infinity();
+  EXPECT_NO_THROW(values.validate());  // "> 0" has no upper end
+}
+
+TEST(ParameterTable, ABoundIsCheckedBeforeTheRuleOfItsRow) {
+  EXPECT_THAT(refusal("{used: 0}"), HasSubstr("used must be >= 1, got 0"));
+}
+
+TEST(ParameterTable, ADifferentTypeIsRefusedByTheNameWithItsPrefix) {
+  EXPECT_THAT(refusal("{loop_width_m: wide}"),
+              HasSubstr("parameter 'loop_width_m' is wide, wanted a finite number"));
+  EXPECT_THAT(refusal("{nested: {width_m: [1]}}"),
+              HasSubstr("parameter 'nested/width_m' is [1], wanted a finite number"));
+  EXPECT_THAT(refusal("{colour: [red]}"), HasSubstr("wanted a string"));
+}
+
+TEST(ParameterTable, AnOlderSpellingMeetsTheSameBounds) {
+  EXPECT_THAT(refusal("{usde: 0}"), HasSubstr("used must be >= 1, got 0"));
+  EXPECT_THAT(refusal("{usde: 1.5}"), HasSubstr("parameter 'usde' is 1.5, wanted an integer"));
+  EXPECT_EQ(refusal("{usde: 3, used: 1}"),
+            "used = 1 and usde = 3 contradict each other: keep the first");
+}
+
+TEST(ParameterTable, AnOlderSpellingLeavesTheOtherFieldsAsTheyWereRead) {
+  const Outer values = read("{count: 9, usde: 7, frame: odom}");
+  EXPECT_EQ(values.count, 9);
+  EXPECT_EQ(values.used, 7);
+  EXPECT_EQ(values.frame, "odom");
+}
+
+TEST(ParameterTable, RowsAreInTheOrderOfTheTableWithTheirFullKeys) {
+  std::vector<std::string> keys;
+  for (const ParameterRow& row : Outer::table().rows()) keys.push_back(row.key);
+  EXPECT_THAT(keys, testing::ElementsAre("count", "used", "enabled", "frame", "topics", "colour",
+                                         "loop_width_m", "tiny", "nested/width_m"));
+}
+
+TEST(ParameterTable, RowsOfASectionForExpertsAreForExperts) {
+  const std::vector<ParameterRow> rows = Outer::table().rows();
+  EXPECT_FALSE(rows[6].is_expert);  // loop_width_m, included before
+  EXPECT_TRUE(rows[7].is_expert);
+  EXPECT_TRUE(rows[8].is_expert);
+  EXPECT_EQ(rows[7].heading, "Rarely changed");
+  EXPECT_EQ(rows[8].heading, "");
+}
+
+TEST(ParameterTable, RowsHaveTheValuesOfTheStructTheyAreAskedFor) {
+  Outer values;
+  values.topics = {"a", "b"};
+  values.colour = Colour::kRed;
+  values.enabled = false;
+  const std::vector<ParameterRow> rows = Outer::table().rows(values);
+  EXPECT_EQ(rows[2].value, "false");
+  EXPECT_EQ(rows[4].value, "[a, b]");
+  EXPECT_EQ(rows[5].value, "red");
+  EXPECT_EQ(rows[5].range, "red or green");
+}
+
+TEST(ParameterTable, AHeadingBeforeAnIncludedStructGoesToItsFirstRow) {
+  struct Holder {
+    Outer outer;
+  };
+  const auto table = ParameterTable<Holder>()
+                         .heading("All of it")
+                         .section("outer", &Holder::outer, Outer::table());
+  const std::vector<ParameterRow> rows = table.rows();
+  EXPECT_EQ(rows.front().key, "outer/count");
+  EXPECT_EQ(rows.front().heading, "All of it");
+  EXPECT_EQ(rows.back().key, "outer/nested/width_m");
+  ParameterReader reader(YAML::Load("{outer: {nested: {width_m: 4}, usde: 3}}"), "test");
+  Holder holder;
+  table.read(reader, holder);
+  EXPECT_EQ(holder.outer.nested.width_m, 4.0);
+}
+
+TEST(ParameterTable, AnOlderSpellingWithinASectionIsAKeyOfTheWholeFile) {
+  struct Holder {
+    Outer outer;
+  };
+  const auto table = ParameterTable<Holder>().section("outer", &Holder::outer, Outer::table());
+  ParameterReader reader(YAML::Load("{usde: 1}"), "test");
+  Holder holder;
+  table.read(reader, holder);
+  reader.rejectUnknown();
+  EXPECT_EQ(holder.outer.used, 1);
 }
 
 }  // namespace
