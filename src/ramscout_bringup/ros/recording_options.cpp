@@ -55,11 +55,12 @@ void addOptions(CLI::App& app, ramscout_bringup::RecordingOptions& options) {
                  "default: the topic called scan, or the only one of its type");
   app.add_option("--odom-topic", options.odometry_topic,
                  "default: the topic called odom, the only one of its type, or tf");
-  app.add_option("--odom-frame", options.odom_frame, "frame of the odometry on tf")
-      ->capture_default_str();
-  app.add_option("--base-frame", options.base_frame,
-                 "the robot's frame; default: base_link, the odometry's child frame, or "
-                 "base_footprint");
+  app.add_option("--odom-frame", options.odom_frame,
+                 "frame of the odometry on tf; default: odom, or the parent of the robot's frame");
+  app.add_option(
+      "--base-frame", options.base_frame,
+      "the robot's frame; default: base_link, the odometry's child frame, base_footprint, "
+      "or what the laser is fixed to");
   addGeometry(app, options);
   addTime(app, options);
 }

@@ -89,8 +89,15 @@ public:
 private:
   void note(const std::string& line) { plan_.notes.push_back(line); }
 
+  /// The frame of the odometry on tf: `odom`, or the parent of the base; never a corrected `map`.
+  std::string odomFrame(const std::string& base) const {
+    if (!options_.odom_frame.empty()) return options_.odom_frame;
+    const std::string parent = survey_.tree.parent(base);
+    return survey_.tree.has("odom") || parent.empty() || parent == "map" ? "odom" : parent;
+  }
+
   bool tfHasOdometry(const std::string& base) const {
-    return !survey_.tree.stamps(options_.odom_frame, base).empty();
+    return !survey_.tree.stamps(odomFrame(base), base).empty();
   }
 
   void chooseOdometry() {
@@ -126,7 +133,11 @@ private:
       candidates.insert(std::next(candidates.begin()), odometry_->child_frame);
     const auto found = std::find_if(candidates.begin(), candidates.end(),
                                     [&](const std::string& frame) { return isKnown(frame); });
-    plan_.base_frame = found != candidates.end() ? *found : "base_link";
+    const std::string& laser = survey_.scans.count_of_frame.begin()->first;
+    const bool laser_is_known = survey_.tree.has(laser);
+    plan_.base_frame = found != candidates.end() ? *found
+                       : laser_is_known          ? survey_.tree.fixedAncestor(laser)
+                                                 : "base_link";
     if (plan_.base_frame != "base_link") note("base frame: " + plan_.base_frame);
   }
 
@@ -244,10 +255,10 @@ private:
   }
 
   void planOdometryOfTf() {
-    const std::string way = "tf " + options_.odom_frame + " -> " + plan_.base_frame;
-    for (const std::int64_t stamp_ns : survey_.tree.stamps(options_.odom_frame, plan_.base_frame)) {
-      if (const auto odom_from_base =
-              survey_.tree.lookup(options_.odom_frame, plan_.base_frame, stamp_ns))
+    const std::string odom_frame = odomFrame(plan_.base_frame);
+    const std::string way = "tf " + odom_frame + " -> " + plan_.base_frame;
+    for (const std::int64_t stamp_ns : survey_.tree.stamps(odom_frame, plan_.base_frame)) {
+      if (const auto odom_from_base = survey_.tree.lookup(odom_frame, plan_.base_frame, stamp_ns))
         plan_.odometry.push_back({stamp_ns, planar(*odom_from_base)});
     }
     if (plan_.odometry.empty()) {

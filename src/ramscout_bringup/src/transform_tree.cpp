@@ -148,6 +148,20 @@ std::optional<Isometry3d> TransformTree::lookup(const std::string& target,
   return ancestor_from_target.inverse() * ancestor_from_source;
 }
 
+std::string TransformTree::parent(const std::string& frame) const {
+  const auto edge = edges_.find(withoutSlash(frame));
+  return edge == edges_.end() ? "" : edge->second.parent;
+}
+
+std::string TransformTree::fixedAncestor(const std::string& frame) const {
+  std::string ancestor = withoutSlash(frame);
+  for (const Edge* edge : chain(ancestor)) {
+    if (edge->samples.size() > 1) break;
+    ancestor = edge->parent;
+  }
+  return ancestor;
+}
+
 std::string TransformTree::frames() const {
   std::set<std::string> names;
   for (const auto& [child, edge] : edges_) {

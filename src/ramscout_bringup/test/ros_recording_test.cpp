@@ -238,6 +238,19 @@ TEST(RosRecording, OdometryOnTfIsFollowedOverTheChain) {
   EXPECT_NEAR(readAll(recording).odometry.back().pose.x_m, 10.0, 1e-9);
 }
 
+TEST(RosRecording, FramesOfOtherNamesAreFoundFromTheLaserUpwards) {
+  Drive drive;
+  drive.messages = {message("/tf_static", 0.0, transform("chassis", "laser", 0.0, 0.4))};
+  drive.withScans();
+  for (int i = 0; i <= 200; ++i) {
+    drive.messages.push_back(
+        message("/tf", 0.1 * i, transform("world", "chassis", 0.1 * i, 0.05 * i)));
+  }
+  RosRecording recording = open(drive);
+  EXPECT_THAT(recording.notes(), Contains("odometry: 201 of tf world -> chassis"));
+  EXPECT_NEAR(readAll(recording).scans[0].base_from_laser.x_m, 0.4, 1e-12);
+}
+
 TEST(RosRecording, OdometryOfACameraIsBroughtToTheBase) {
   Drive drive = Drive().withScans().withOdometry("/camera/odom", "camera");
   drive.messages.push_back(

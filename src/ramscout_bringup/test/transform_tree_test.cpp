@@ -37,6 +37,19 @@ TEST(TransformTree, FollowsChainsBothWaysAndOverTime) {
   EXPECT_THAT(tree.stamps("base_link", "laser"), IsEmpty());
 }
 
+TEST(TransformTree, KnowsToWhatAFrameIsFixed) {
+  TransformTree tree;
+  tree.add("world", "chassis", 100, pose(0.0, 0.0, 0.0), false);
+  tree.add("world", "chassis", 200, pose(1.0, 0.0, 0.0), false);
+  tree.add("chassis", "mast", 0, pose(0.0, 0.0, 0.0), true);
+  tree.add("mast", "laser", 0, pose(0.2, 0.0, 0.0), true);
+  tree.finish();
+  EXPECT_EQ(tree.fixedAncestor("laser"), "chassis");
+  EXPECT_EQ(tree.fixedAncestor("unknown"), "unknown");
+  EXPECT_EQ(tree.parent("chassis"), "world");
+  EXPECT_EQ(tree.parent("world"), "");
+}
+
 TEST(TransformTree, DoesNotExtrapolate) {
   TransformTree tree;
   tree.add("odom", "base_link", 100, pose(0.0, 0.0, 0.0), false);

@@ -14,10 +14,10 @@ namespace ramscout_bringup {
 
 /// How to read a recording; what is left empty is found in it.
 struct RecordingOptions {
-  std::string scan_topic;           ///< sensor_msgs/LaserScan or MultiEchoLaserScan
-  std::string odometry_topic;       ///< nav_msgs/Odometry
-  std::string odom_frame = "odom";  ///< where odometry is read from tf: to base_frame
-  std::string base_frame;           ///< the robot's frame
+  std::string scan_topic;      ///< sensor_msgs/LaserScan or MultiEchoLaserScan
+  std::string odometry_topic;  ///< nav_msgs/Odometry
+  std::string odom_frame;      ///< where odometry is read from tf: from there to base_frame
+  std::string base_frame;      ///< the robot's frame
   std::optional<ram_slam::Pose2> base_from_laser;  ///< instead of the one in the recording
   std::optional<double> fov_rad;  ///< angle between the first and the last beam of FLASER lines
   ram_slam::SweepDirection sweep_direction = ram_slam::SweepDirection::kAsStored;

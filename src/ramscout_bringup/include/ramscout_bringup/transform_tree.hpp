@@ -40,6 +40,11 @@ public:
                                           const std::string& source,
                                           std::int64_t stamp_ns) const;
 
+  /// The parent of a frame; empty if it has none.
+  std::string parent(const std::string& frame) const;
+  /// The farthest ancestor to which a frame is fixed; the frame itself if it has none.
+  std::string fixedAncestor(const std::string& frame) const;
+
   /// All frames, separated by commas; "none" if there is none.
   std::string frames() const;
   std::size_t ignoredCount() const { return ignored_count_; }
