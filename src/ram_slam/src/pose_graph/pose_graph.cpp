@@ -8,32 +8,17 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 
+#include "ram_slam/pose_graph/closure_costs.hpp"
+
+#include "edge_error.hpp"
 #include "least_squares.hpp"
 
 namespace ram_slam {
 namespace {
 
 using Parameters = std::array<double, 3>;
-
-Eigen::Vector3d edgeError(const PoseEdge& edge, const double* from, const double* to) {
-  const double c = std::cos(from[2]);
-  const double s = std::sin(from[2]);
-  const double dx = to[0] - from[0];
-  const double dy = to[1] - from[1];
-  return {c * dx + s * dy - edge.from_from_to.x_m, -s * dx + c * dy - edge.from_from_to.y_m,
-          wrapAngle(to[2] - from[2] - edge.from_from_to.yaw_rad)};
-}
-
-/// L^T with information = L L^T; also for singular information, of which a corridor's edges have
-/// some.
-Eigen::Matrix3d squareRoot(const Eigen::Matrix3d& information) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
-  return eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
-         eigen.eigenvectors().transpose();
-}
 
 class EdgeCost : public ceres::SizedCostFunction<3, 3, 3> {
 public:
@@ -45,21 +30,14 @@ public:
     const double* to = poses[1];
     Eigen::Map<Eigen::Vector3d>(residuals, 3) = root_ * edgeError(edge_, from, to);
     if (jacobians == nullptr) return true;
-    const double c = std::cos(from[2]);
-    const double s = std::sin(from[2]);
-    const double dx = to[0] - from[0];
-    const double dy = to[1] - from[1];
+    const EdgeJacobians by = edgeJacobians(from, to);
     if (jacobians[0] != nullptr) {
-      RowMajor by_from;
-      by_from << -c, -s, -s * dx + c * dy, s, -c, -c * dx - s * dy, 0.0, 0.0, -1.0;
       Eigen::Map<RowMajor> jacobian(jacobians[0]);
-      jacobian = root_ * by_from;
+      jacobian = root_ * by.by_from;
     }
     if (jacobians[1] != nullptr) {
-      RowMajor by_to;
-      by_to << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
       Eigen::Map<RowMajor> jacobian(jacobians[1]);
-      jacobian = root_ * by_to;
+      jacobian = root_ * by.by_to;
     }
     return true;
   }
@@ -154,13 +132,21 @@ const ram_parameters::ParameterTable<PoseGraphParameters>& PoseGraphParameters::
                "Squared Mahalanobis distance up to which a closure has full weight.")
           .add("graph_max_iterations", &P::max_iterations, "", atLeast(1),
                "Most iterations of one solution of the graph.")
+          .add("closure_cost_chi2", &P::closure_cost_chi2, "", positive(),
+               "Greatest cost of a closure to the rest of the graph; the default is exceeded once "
+               "in a thousand true closures (chi^2 of 3 degrees of freedom).")
+          .add("closure_beside_m", &P::closure_beside_m, "m", atLeast(0.0),
+               "Closures so near each other along both passages see the same walls: they do not "
+               "support each other.")
           .expert("Precision of the pose graph")
           .add("graph_precision", &P::precision, "", positive(),
                "Relative change of the cost at which the last solution ends.")
           .add("graph_rough_precision", &P::rough_precision, "", positive(),
                "The same for the solutions before, which tolerate more.")
           .add("graph_tolerance_step", &P::tolerance_step, "", above(1.0),
-               "By what the tolerance of closures is divided from one solution to the next.");
+               "By what the tolerance of closures is divided from one solution to the next.")
+          .add("closure_min_trust", &P::min_trust, "", within(0.0, 1.0),
+               "A closure of less weight in the pose graph is outvoted.");
   return table;
 }
 
@@ -175,35 +161,168 @@ double largestDoubtfulChi2(const PoseGraph& graph) {
   return largest;
 }
 
+/// Graduated (Yang et al., RA-L 2020): at first every edge has full weight, then ever less error
+/// is tolerated. A true closure of a long loop would otherwise be rejected for the drift that it
+/// is there to correct.
+std::vector<Pose2> solveGraduated(PoseGraph graph, const PoseGraphParameters& parameters) {
+  double tolerance_chi2 = std::max(parameters.closure_tolerance_chi2, largestDoubtfulChi2(graph));
+  while (true) {
+    const bool is_last = tolerance_chi2 <= parameters.closure_tolerance_chi2;
+    graph.map_from_node = solve(graph, tolerance_chi2, parameters.max_iterations,
+                                is_last ? parameters.precision : parameters.rough_precision);
+    if (is_last) return std::move(graph.map_from_node);
+    tolerance_chi2 =
+        std::max(parameters.closure_tolerance_chi2,
+                 std::min(largestDoubtfulChi2(graph), tolerance_chi2) / parameters.tolerance_step);
+  }
+}
+
+/// The poses that the edges between successive nodes give which cannot be false; where there is
+/// none, a node keeps its place beside the one before.
+std::vector<Pose2> chainPoses(const PoseGraph& graph) {
+  std::vector<Pose2> poses = graph.map_from_node;
+  std::vector<const PoseEdge*> edge_to(poses.size(), nullptr);
+  for (const PoseEdge& edge : graph.edges) {
+    if (!edge.may_be_false && edge.to == edge.from + 1) edge_to[edge.to] = &edge;
+  }
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Pose2 given = graph.map_from_node[i - 1].inverse() * graph.map_from_node[i];
+    poses[i] = poses[i - 1] * (edge_to[i] != nullptr ? edge_to[i]->from_from_to : given);
+  }
+  return poses;
+}
+
+/// The solution of a graph without the closures that do not agree with the rest of it.
+class ConsistentSolution {
+public:
+  ConsistentSolution(const PoseGraph& graph, const PoseGraphParameters& parameters)
+      : graph_(graph),
+        parameters_(parameters),
+        is_out_(graph.edges.size(), false),
+        is_refused_(graph.edges.size(), false),
+        was_readmitted_(graph.edges.size(), false) {
+    for (std::size_t i = 0; i < graph.edges.size(); ++i) is_out_[i] = graph.edges[i].was_outvoted;
+    solveFrom(graph.map_from_node);
+  }
+
+  PoseGraphSolution take() {
+    const bool has_distrusted = takeOutDistrusted();
+    if (has_distrusted || solution_.chi2 > graph_.judged_chi2 + parameters_.closure_cost_chi2)
+      judge();
+    return std::move(solution_);
+  }
+
+private:
+  /// Of all closures, those too that were outvoted before: they may support each other by now.
+  void judge() {
+    std::fill(is_out_.begin(), is_out_.end(), false);
+    solveFrom(chainPoses(graph_));
+    takeOutDistrusted();
+    do refuseTheDearest();
+    while (readmitTheCheap());
+    solution_.is_judged = true;
+  }
+
+  /// Trust and cost at the poses of the solution.
+  void weigh() {
+    solution_.edge_trust.assign(graph_.edges.size(), 1.0);
+    solution_.chi2 = 0.0;
+    for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
+      const double chi2 = edgeChi2(graph_.edges[i], solution_.map_from_node);
+      if (graph_.edges[i].may_be_false)
+        solution_.edge_trust[i] = trust(chi2, parameters_.closure_tolerance_chi2);
+      if (is_refused_[i]) solution_.edge_trust[i] = 0.0;
+      if (!is_out_[i]) solution_.chi2 += chi2;
+    }
+  }
+
+  void solveFrom(const std::vector<Pose2>& poses) {
+    PoseGraph rest;
+    rest.map_from_node = poses;
+    for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
+      if (is_out_[i]) continue;
+      rest.edges.push_back(graph_.edges[i]);
+      // The kernel left it out although it costs little: it is in another minimum.
+      if (was_readmitted_[i]) rest.edges.back().may_be_false = false;
+    }
+    solution_.map_from_node = solveGraduated(std::move(rest), parameters_);
+    weigh();
+  }
+
+  /// Closures of little weight still pull. \return whether there were any
+  bool takeOutDistrusted() {
+    bool found = false;
+    for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
+      if (is_out_[i] || solution_.edge_trust[i] >= parameters_.min_trust) continue;
+      is_out_[i] = true;
+      found = true;
+    }
+    // From the chain, as they may have bent the poses.
+    if (found) solveFrom(chainPoses(graph_));
+    return found;
+  }
+
+  std::vector<double> costs() const {
+    return closureCosts(graph_, solution_.map_from_node, is_out_, parameters_.closure_beside_m);
+  }
+
+  /// Takes out the closure that costs the others most until none costs too much.
+  void refuseTheDearest() {
+    while (true) {
+      std::vector<double> cost = costs();
+      for (std::size_t i = 0; i < cost.size(); ++i) {
+        if (is_out_[i]) cost[i] = 0.0;
+      }
+      const auto dearest = std::max_element(cost.begin(), cost.end());
+      if (dearest == cost.end() || *dearest <= parameters_.closure_cost_chi2) return;
+      const auto refused = static_cast<std::size_t>(dearest - cost.begin());
+      is_out_[refused] = true;
+      is_refused_[refused] = true;
+      solveFrom(chainPoses(graph_));
+      takeOutDistrusted();
+    }
+  }
+
+  /// Closures that were taken out together with one that bent the poses may agree now.
+  bool readmitTheCheap() {
+    const std::vector<double> cost = costs();
+    bool found = false;
+    for (std::size_t i = 0; i < cost.size(); ++i) {
+      if (!is_out_[i] || was_readmitted_[i]) continue;
+      if (cost[i] > parameters_.closure_cost_chi2) continue;
+      is_out_[i] = false;
+      is_refused_[i] = false;
+      was_readmitted_[i] = true;
+      found = true;
+    }
+    if (!found) return false;
+    solveFrom(chainPoses(graph_));
+    takeOutDistrusted();
+    return true;
+  }
+
+  const PoseGraph& graph_;
+  const PoseGraphParameters& parameters_;
+  std::vector<bool> is_out_;
+  std::vector<bool> is_refused_;
+  std::vector<bool> was_readmitted_;
+  PoseGraphSolution solution_;
+};
+
+bool hasDoubtfulEdges(const PoseGraph& graph) {
+  return std::any_of(graph.edges.begin(), graph.edges.end(),
+                     [](const PoseEdge& edge) { return edge.may_be_false; });
+}
+
 }  // namespace
 
 PoseGraphSolution solvePoseGraph(const PoseGraph& graph, const PoseGraphParameters& parameters) {
   check(graph);
+  if (hasDoubtfulEdges(graph)) return ConsistentSolution(graph, parameters).take();
   PoseGraphSolution solution;
   solution.edge_trust.assign(graph.edges.size(), 1.0);
-  solution.map_from_node = graph.map_from_node;
-  if (graph.edges.empty()) return solution;
-
-  // Graduated (Yang et al., RA-L 2020): at first every edge has full weight, then ever less error
-  // is tolerated. A true closure of a long loop would otherwise be rejected for the drift that it
-  // is there to correct.
-  PoseGraph solved = graph;
-  double tolerance_chi2 = std::max(parameters.closure_tolerance_chi2, largestDoubtfulChi2(solved));
-  while (true) {
-    const bool is_last = tolerance_chi2 <= parameters.closure_tolerance_chi2;
-    solved.map_from_node = solve(solved, tolerance_chi2, parameters.max_iterations,
-                                 is_last ? parameters.precision : parameters.rough_precision);
-    if (is_last) break;
-    tolerance_chi2 =
-        std::max(parameters.closure_tolerance_chi2,
-                 std::min(largestDoubtfulChi2(solved), tolerance_chi2) / parameters.tolerance_step);
-  }
-  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
-    if (!graph.edges[i].may_be_false) continue;
-    solution.edge_trust[i] =
-        trust(edgeChi2(graph.edges[i], solved.map_from_node), parameters.closure_tolerance_chi2);
-  }
-  solution.map_from_node = std::move(solved.map_from_node);
+  solution.map_from_node =
+      graph.edges.empty() ? graph.map_from_node : solveGraduated(graph, parameters);
   return solution;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/smoothing/graph_paths.hpp"
 
 namespace ram_slam {
@@ -72,9 +73,7 @@ const ram_parameters::ParameterTable<LoopCloserParameters>& LoopCloserParameters
           .add("loop_failed_margin_rad", &P::failed_margin_rad, "rad", atLeast(0.0),
                "By how much the new window may be turned beyond it.")
           .add("loop_sweep_path_m", &P::sweep_path_m, "m", positive(),
-               "Path along which poses may still have drifted once all loops found are closed.")
-          .add("closure_min_trust", &P::min_trust, "", within(0.0, 1.0),
-               "A closure of less weight in the pose graph is outvoted.");
+               "Path along which poses may still have drifted once all loops found are closed.");
   return table;
 }
 
@@ -174,7 +173,7 @@ bool LoopCloser::tryClosing(const std::vector<KeyScan>& key_scans,
                             const LoopQuery& query,
                             const ClosureHandler& on_closure) {
   const auto match = verifyLoop(key_scans, query, matcher_, parameters_.search);
-  if (!match) return false;
+  if (!match || wasOutvoted(key_scans, match->edge)) return false;
   const KeyScan& old_key = key_scans[query.candidate];
   const KeyScan& new_key = key_scans[query.newest];
   const Pose2 wanted = old_key.map_from_laser * match->edge.from_from_to;
@@ -223,6 +222,21 @@ bool LoopCloser::wasSearched(const std::vector<KeyScan>& key_scans,
   });
 }
 
+bool LoopCloser::wasOutvoted(const std::vector<KeyScan>& key_scans, const PoseEdge& edge) const {
+  const auto reach = static_cast<std::size_t>(parameters_.accepted_reach);
+  const MotionGate same{parameters_.failed_margin_m, parameters_.failed_margin_rad};
+  return std::any_of(closures_.begin(), closures_.end(), [&](const LoopClosure& closure) {
+    const PoseEdge& other = closure.edge;
+    if (closure.state != ClosureState::kOutvoted) return false;
+    if (distance(other.from, edge.from) > reach || distance(other.to, edge.to) > reach)
+      return false;
+    const Pose2 by_other = relativePose(key_scans[edge.from], key_scans[other.from]) *
+                           other.from_from_to *
+                           relativePose(key_scans[other.to], key_scans[edge.to]);
+    return !same.isExceededBy(by_other.inverse() * edge.from_from_to);
+  });
+}
+
 std::vector<double> LoopCloser::pathsTo(std::size_t key,
                                         const std::vector<KeyScan>& key_scans) const {
   Shortcuts shortcuts;
@@ -249,11 +263,22 @@ std::vector<PoseEdge> LoopCloser::acceptedEdges() const {
   return edges;
 }
 
-void LoopCloser::outvote(const std::vector<double>& trust) {
+std::vector<PoseEdge> LoopCloser::candidateEdges() const {
+  std::vector<PoseEdge> edges;
+  for (const LoopClosure& closure : closures_) {
+    if (closure.state == ClosureState::kRefused) continue;
+    edges.push_back(closure.edge);
+    edges.back().was_outvoted = closure.state == ClosureState::kOutvoted;
+  }
+  return edges;
+}
+
+void LoopCloser::judge(const std::vector<double>& trust, double min_trust) {
   std::size_t edge = 0;
   for (LoopClosure& closure : closures_) {
-    if (closure.state != ClosureState::kAccepted) continue;
-    if (trust.at(edge++) < parameters_.min_trust) closure.state = ClosureState::kOutvoted;
+    if (closure.state == ClosureState::kRefused) continue;
+    closure.state =
+        trust.at(edge++) < min_trust ? ClosureState::kOutvoted : ClosureState::kAccepted;
   }
 }
 

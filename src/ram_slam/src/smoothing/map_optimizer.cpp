@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/smoothing/map_optimizer.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -11,11 +12,15 @@ MapOptimizer::MapOptimizer(const PoseGraphParameters& graph,
                            const ScanMatcherParameters& matcher)
     : graph_(graph), refinement_(refinement), matcher_(matcher) {}
 
-void MapOptimizer::solve(KeyScans& key_scans, LoopCloser& loops) const {
-  const PoseGraphSolution solution = solvePoseGraph(laserGraph(key_scans, loops), graph_);
+void MapOptimizer::solve(KeyScans& key_scans, LoopCloser& loops) {
+  const PoseGraph graph = candidateGraph(key_scans, loops, judged_chi2_);
+  const PoseGraphSolution solution = solvePoseGraph(graph, graph_);
   key_scans.setPoses(solution.map_from_node);
+  // It falls when closures are taken back.
+  judged_chi2_ = solution.is_judged ? solution.chi2 : std::min(judged_chi2_, solution.chi2);
   const auto motion_count = static_cast<std::ptrdiff_t>(key_scans.alignedMotion().size());
-  loops.outvote({solution.edge_trust.begin() + motion_count, solution.edge_trust.end()});
+  loops.judge({solution.edge_trust.begin() + motion_count, solution.edge_trust.end()},
+              graph_.min_trust);
 }
 
 void MapOptimizer::refine(KeyScans& key_scans) const {
@@ -23,10 +28,27 @@ void MapOptimizer::refine(KeyScans& key_scans) const {
       refineJointly(key_scans.keys(), key_scans.givenMotion(), matcher_, refinement_));
 }
 
-PoseGraph laserGraph(const KeyScans& key_scans, const LoopCloser& loops) {
+namespace {
+
+PoseGraph motionGraph(const KeyScans& key_scans) {
   PoseGraph graph;
   for (const KeyScan& key : key_scans.keys()) graph.map_from_node.push_back(key.map_from_laser);
   graph.edges = key_scans.alignedMotion();
+  return graph;
+}
+
+}  // namespace
+
+PoseGraph candidateGraph(const KeyScans& key_scans, const LoopCloser& loops, double judged_chi2) {
+  PoseGraph graph = motionGraph(key_scans);
+  const std::vector<PoseEdge> closures = loops.candidateEdges();
+  graph.edges.insert(graph.edges.end(), closures.begin(), closures.end());
+  graph.judged_chi2 = judged_chi2;
+  return graph;
+}
+
+PoseGraph laserGraph(const KeyScans& key_scans, const LoopCloser& loops) {
+  PoseGraph graph = motionGraph(key_scans);
   const std::vector<PoseEdge> closures = loops.acceptedEdges();
   graph.edges.insert(graph.edges.end(), closures.begin(), closures.end());
   return graph;

@@ -84,11 +84,28 @@ TEST(LoopCloser, DoesNotFindARefusedClosureAgain) {
 
 TEST(LoopCloser, OutvotesClosuresThatAreNotBelieved) {
   LoopCloser loops = closedOnce();
-  loops.outvote({0.6});
+  loops.judge({0.6}, 0.5);
   EXPECT_EQ(loops.closures()[0].state, ClosureState::kAccepted);
-  loops.outvote({0.4});
+  EXPECT_FALSE(loops.candidateEdges()[0].was_outvoted);
+  loops.judge({0.4}, 0.5);
   EXPECT_EQ(loops.closures()[0].state, ClosureState::kOutvoted);
   EXPECT_THAT(loops.acceptedEdges(), IsEmpty());
+  ASSERT_THAT(loops.candidateEdges(), SizeIs(1));
+  EXPECT_TRUE(loops.candidateEdges()[0].was_outvoted);
+}
+
+TEST(LoopCloser, AcceptsAnOutvotedClosureThatIsBelievedLater) {
+  LoopCloser loops = closedOnce();
+  loops.judge({0.4}, 0.5);
+  loops.judge({0.6}, 0.5);
+  EXPECT_THAT(loops.acceptedEdges(), SizeIs(1));
+}
+
+TEST(LoopCloser, DoesNotFindAnOutvotedClosureAgain) {
+  LoopCloser loops = closedOnce();
+  loops.judge({0.4}, 0.5);
+  EXPECT_FALSE(loops.sweep(drive().keys(), ignore));
+  EXPECT_THAT(loops.closures(), SizeIs(1));
 }
 
 TEST(LoopCloser, FindsNothingWithinTheLeastPath) {

@@ -39,7 +39,6 @@ struct LoopCloserParameters {
   double failed_margin_m = 0.25;  ///< by which the new window may be larger
   double failed_margin_rad = 0.05;
   double sweep_path_m = 30.0;  ///< once all loops are closed, no pose has drifted by more path
-  double min_trust = 0.5;      ///< a closure of less weight in the graph is outvoted
 
   static const ram_parameters::ParameterTable<LoopCloserParameters>& table();
 };
@@ -94,9 +93,11 @@ public:
 
   /// The edges of accepted closures, in the order in which they were found.
   std::vector<PoseEdge> acceptedEdges() const;
-  /// Outvotes accepted closures of low weight.
-  /// \param trust  weight of each of acceptedEdges() in the graph, 0 .. 1
-  void outvote(const std::vector<double>& trust);
+  /// The same with those of outvoted closures, which are marked.
+  std::vector<PoseEdge> candidateEdges() const;
+  /// Accepts or outvotes closures that are not refused.
+  /// \param trust  weight of each of candidateEdges() in the graph, 0 .. 1
+  void judge(const std::vector<double>& trust, double min_trust);
 
 private:
   struct FailedSearch {
@@ -119,6 +120,8 @@ private:
                   const ClosureHandler& on_closure);
   /// Whether a closure between two key scans, or beside them, was accepted or refused already.
   bool isSettled(std::size_t from, std::size_t to) const;
+  /// Whether a closure between nearly the same poses was outvoted before.
+  bool wasOutvoted(const std::vector<KeyScan>& key_scans, const PoseEdge& edge) const;
   /// Whether a search that failed covers this one.
   bool wasSearched(const std::vector<KeyScan>& key_scans,
                    std::size_t from,

@@ -16,9 +16,9 @@ public:
                const RefinementParameters& refinement,
                const ScanMatcherParameters& matcher);
 
-  /// Solves the graph of aligned motion and accepted closures; closures that the rest contradicts
-  /// are outvoted.
-  void solve(KeyScans& key_scans, LoopCloser& loops) const;
+  /// Solves the graph of aligned motion and closures; closures that the rest contradicts are
+  /// outvoted, and accepted again once others support them.
+  void solve(KeyScans& key_scans, LoopCloser& loops);
 
   /// Aligns the readings of all key scans with each other, held by the given motion.
   void refine(KeyScans& key_scans) const;
@@ -27,13 +27,18 @@ private:
   PoseGraphParameters graph_;
   RefinementParameters refinement_;
   ScanMatcherParameters matcher_;
+  double judged_chi2_ = 0.0;  ///< cost of the graph when its closures were judged last
 };
 
 /// Poses of the laser at the key scans, with the edges of aligned motion and accepted closures, in
 /// this order.
 PoseGraph laserGraph(const KeyScans& key_scans, const LoopCloser& loops);
 
-/// The same graph with poses of the base.
+/// The same graph with the closures that were outvoted, marked.
+/// \param judged_chi2  as in PoseGraph
+PoseGraph candidateGraph(const KeyScans& key_scans, const LoopCloser& loops, double judged_chi2);
+
+/// laserGraph() with poses of the base.
 PoseGraph baseGraph(const KeyScans& key_scans, const LoopCloser& loops);
 
 }  // namespace ram_slam
