@@ -59,7 +59,6 @@ private:
 ros::Time time(double t_s) {
   return ros::Time(1000.0 + t_s);
 }
-
 RecordedMessage message(const std::string& topic, double t_s, const MessageContent& content) {
   return {topic, static_cast<std::int64_t>(time(t_s).toNSec()), content};
 }
@@ -145,7 +144,6 @@ struct Content {
   std::vector<ram_slam::StampedPose2> odometry;
   bool is_in_order = true;
 };
-
 Content readAll(RosRecording& recording) {
   Content content;
   std::int64_t last_ns = 0;

@@ -101,10 +101,8 @@ Eigen::Vector3d horizontalAxis(const Eigen::Vector3d& axis, const std::string& e
   constexpr double kRounding = 1e-2;
   if (!(std::abs(axis.z()) < kRounding && std::abs(axis.norm() - 1.0) < 1e-3))
     refuse(element, "a wheel's axis must be horizontal");
-  Eigen::Vector3d horizontal(axis.x(), axis.y(), 0.0);
-  if (std::abs(axis.x()) < kRounding) horizontal.x() = 0.0;
-  if (std::abs(axis.y()) < kRounding) horizontal.y() = 0.0;
-  return horizontal.normalized();
+  const auto rounded = [](double value) { return std::abs(value) < kRounding ? 0.0 : value; };
+  return Eigen::Vector3d(rounded(axis.x()), rounded(axis.y()), 0.0).normalized();
 }
 
 Wheel readWheel(const urdf::Joint& joint,
