@@ -75,6 +75,17 @@ TEST(CompareWithTruth, TruthIsInterpolatedAndStampsOutsideItAreLeftOut) {
   EXPECT_THROW(compareWithTruth({estimate.front()}, truth), std::invalid_argument);
 }
 
+TEST(CompareWithTruth, TruthIsNotInterpolatedOverAGap) {
+  Trajectory truth;
+  for (const std::int64_t i : {0, 1, 2, 3, 30, 31, 32})
+    truth.push_back({i * kSecond, {static_cast<double>(i), 0.0, 0.0}});
+  Trajectory estimate = truth;
+  estimate.push_back({15 * kSecond, {15.0, 7.0, 0.0}});  // where the robot was is not known
+  const TruthComparison comparison = compareWithTruth(estimate, truth);
+  EXPECT_EQ(comparison.without_truth_count, 1u);
+  EXPECT_LT(comparison.position_m.max, 1e-12);
+}
+
 TEST(RelativeErrors, AScaleErrorIsItsShareOfTheLength) {
   Trajectory truth;
   Trajectory estimate;

@@ -43,6 +43,25 @@ TEST_F(TrajectoryFile, CommentsAreSkippedAndPosesSorted) {
   EXPECT_EQ(read[1].stamp_ns, 2500000000);
 }
 
+TEST_F(TrajectoryFile, StampsWithExponentsAreTheSameNumbers) {
+  const Trajectory read = readTrajectory(
+      write("1.600000000029999971e+09 0 0 0 0 0 0 1\n1.6E9 0 0 0 0 0 0 1\n25e-1 0 0 0 0 0 0 1\n"));
+  ASSERT_EQ(read.size(), 3u);
+  EXPECT_EQ(read[0].stamp_ns, 2500000000);
+  EXPECT_EQ(read[1].stamp_ns, 1600000000000000000);
+  EXPECT_EQ(read[2].stamp_ns, 1600000000029999971);
+  for (const char* stamp : {"1e99", "1e", "e9", "1.5e+x"})
+    EXPECT_THROW(readTrajectory(write(std::string(stamp) + " 0 0 0 0 0 0 1\n")), std::runtime_error)
+        << stamp;
+}
+
+TEST_F(TrajectoryFile, TrajectoryInTheAxesOfACameraIsRefused) {
+  EXPECT_THROW(readTrajectory(write("1 0 0 0 0 0.7071068 0 0.7071068\n")), std::runtime_error);
+  EXPECT_THROW(readTrajectory(write("1 0 0 0 0 0 0 1\n2 1 0 8 0 0 0 1\n")), std::runtime_error);
+  EXPECT_EQ(readTrajectory(write("1 0 0 90 0 0 0 1\n2 9 0 90.8 0 0.04 0 0.9992\n")).size(), 2u)
+      << "a ramp on the thirtieth floor";
+}
+
 TEST_F(TrajectoryFile, MalformedLinesAreNamed) {
   for (const char* text :
        {"1 2 3\n", "1 2 3 0 0 0 0 nan\n", "x 1 2 3 4 5 6 7\n", "1 2 3 0 0 0 0 1,0\n"}) {

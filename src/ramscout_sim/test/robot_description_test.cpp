@@ -148,6 +148,16 @@ TEST(RobotDescription, RefusesNumbersThatAreNone) {
   }
 }
 
+TEST(RobotDescription, TakesAxesOfEitherSignAndRightAnglesWrittenRoughly) {
+  const RobotDescription mirrored =
+      parseRobot(with("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 -1 0\"/>"), "laser");
+  EXPECT_EQ(mirrored.kind, BaseKind::kDifferential);
+  EXPECT_TRUE(mirrored.wheels[0].axle_in_base.isApprox(-Eigen::Vector3d::UnitY()));
+  const RobotDescription rough =
+      parseRobot(with("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 1 0.0008\"/>"), "laser");
+  EXPECT_TRUE(rough.wheels[0].axle_in_base.isApprox(Eigen::Vector3d::UnitY()));
+}
+
 TEST(RobotDescription, RefusesWheelsThatCannotDrive) {
   EXPECT_THAT(refusal(with("type=\"continuous\"", "type=\"fixed\"")),
               HasSubstr("two driven wheels"));
