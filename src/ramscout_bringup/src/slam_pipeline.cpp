@@ -22,6 +22,13 @@ auto readFile(const std::string& folder, const std::string& node, const Read& re
   return read(reader);
 }
 
+/// The shipped noise is that of refined odometry; that of wheels alone is larger.
+ramscout_kinematics::KinematicsParameters kinematicsParameters(const SlamParameters& parameters) {
+  ramscout_kinematics::KinematicsParameters kinematics = parameters.kinematics;
+  if (!parameters.use_laser_odometry) kinematics.noise_factor *= parameters.wheels_noise_factor;
+  return kinematics;
+}
+
 std::vector<MapLandmark> toMapLandmarks(const ram_slam::LandmarkMap& map) {
   std::vector<MapLandmark> landmarks;
   for (const ram_slam::LandmarkEstimate& estimate : map.landmarks) {
@@ -68,7 +75,7 @@ SlamPipeline::SlamPipeline(const SlamParameters& parameters)
     : parameters_(parameters),
       odometry_(parameters.laser_odometry, parameters.use_laser_odometry),
       feature_detector_(parameters.feature_detector),
-      kinematics_(parameters.kinematics),
+      kinematics_(kinematicsParameters(parameters)),
       estimator_(parameters.estimator, kinematics_, parameters.estimator_stage),
       smoothing_(parameters.map_smoother, featureMatchers()),
       mapping_(parameters.occupancy_mapper) {}
@@ -100,7 +107,10 @@ void SlamPipeline::feedKinematics(const ram_slam::StampedPose2& odom_from_base) 
 
 void SlamPipeline::process(const ram_slam::OdometryStep& step) {
   const std::int64_t stamp_ns = step.scan.scan.stamp_ns;
-  if (parameters_.use_laser_odometry) feedKinematics({stamp_ns, step.estimate.odom_from_base.pose});
+  if (parameters_.use_laser_odometry) {
+    for (const ram_slam::StampedPose2& pose : step.between) feedKinematics(pose);
+    feedKinematics({stamp_ns, step.estimate.odom_from_base.pose});
+  }
   if (smooths()) smooth(step);
   const auto motion = estimator_.motionUntil(stamp_ns);
   if (!motion) {

@@ -150,7 +150,8 @@ PoseWithCovariance2 Kinematics::motion(std::int64_t from_ns, std::int64_t to_ns)
 }
 
 PoseWithCovariance2 Kinematics::motionAlong(const MotionSegment& segment) const {
-  Eigen::Matrix3d noise = segment.noise_factor * parameters_.drive_model->noise(segment.increment);
+  Eigen::Matrix3d noise = parameters_.noise_factor * segment.noise_factor *
+                          parameters_.drive_model->noise(segment.increment);
   noise.diagonal() += segment.added_variance;
   const Eigen::Vector3d moved = segment.increment.cwiseAbs();
   if (moved.head<2>().maxCoeff() < parameters_.standing_speed_mps * segment.duration_s &&

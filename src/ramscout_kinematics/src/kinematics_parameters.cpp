@@ -48,6 +48,12 @@ const ram_parameters::ParameterTable<KinematicsParameters>& KinematicsParameters
           .add("standing_sigma_rad", &P::standing_sigma_rad, "rad", atLeast(0.0),
                "Standard deviation of the heading after 1 s of standing still.")
           .include(&P::buffer, OdometryBufferParameters::table())
+          .expert("Noise")
+          .add(
+              "noise_factor", &P::noise_factor, "", positive(),
+              "By which the variances of the drive model are multiplied. run_bag --wheels-only and "
+              "features.launch laser_odometry:=false set it to 1000, because the shipped variances "
+              "are those of odometry that scans have refined.")
           .expert("Standing still")
           .add("standing_speed_mps", &P::standing_speed_mps, "m/s", atLeast(0.0),
                "A robot stands still that is slower than this and turns slower than the next.")

@@ -62,6 +62,10 @@ const ram_parameters::ParameterTable<OdometryBufferParameters>& OdometryBufferPa
           .add("max_turn_rate_radps", &P::max_turn_rate_radps, "rad/s", positive(),
                "Fastest the robot turns; jumps as above.")
           .expert("Odometry samples")
+          .add("still_gap_m", &P::still_gap_m, "m", atLeast(0.0),
+               "A gap over which the pose moved no farther than this ...")
+          .add("still_gap_rad", &P::still_gap_rad, "rad", atLeast(0.0),
+               "... and turned no farther than this is none: the robot stood still.")
           .add("jump_slack_m", &P::jump_slack_m, "m", atLeast(0.0),
                "Distance a sample may be off beyond twice the speed before it is a jump: stamps "
                "jitter.")
@@ -207,7 +211,12 @@ MotionSegment OdometryBuffer::between(const Entry& before,
                                       std::int64_t to_ns) const {
   const std::int64_t start_ns = before.sample.stamp_ns;
   const double interval_s = secondsBetween(start_ns, after.sample.stamp_ns);
-  if (interval_s > parameters_.max_gap_s) {
+  const ram_slam::Pose2 moved =
+      before.sample.odom_from_base.inverse() * after.sample.odom_from_base;
+  const bool stood_still = after.standing == Standing::kAccepted &&
+                           moved.translation().norm() <= parameters_.still_gap_m &&
+                           std::abs(moved.yaw_rad) <= parameters_.still_gap_rad;
+  if (interval_s > parameters_.max_gap_s && !stood_still) {
     refuse(Unavailable::kGap,
            "no odometry between " + toText(start_ns) + " and " + toText(after.sample.stamp_ns));
   }
@@ -222,8 +231,7 @@ MotionSegment OdometryBuffer::between(const Entry& before,
     segment.added_variance =
         fraction * Eigen::Vector3d(reach_m * reach_m, reach_m * reach_m, reach_rad * reach_rad);
   } else {
-    segment.increment = fraction * ram_slam::logarithm(before.sample.odom_from_base.inverse() *
-                                                       after.sample.odom_from_base);
+    segment.increment = fraction * ram_slam::logarithm(moved);
   }
   return segment;
 }
@@ -269,7 +277,14 @@ void OdometryBuffer::requireCovered(std::int64_t from_ns, std::int64_t to_ns) co
   if (empty()) throw OdometryUnavailable(Unavailable::kNoOdometry, "no odometry received yet");
   if (from_ns < oldestNs()) refuse(Unavailable::kTooOld, "from " + toText(from_ns) + " is too old");
   if (to_ns > newestNs() + toNanoseconds(parameters_.max_extrapolation_s)) {
-    refuse(Unavailable::kNotYetAvailable, "no odometry up to " + toText(to_ns) + " yet");
+    std::string held_back;
+    if (entries_.back().standing == Standing::kHeldBack) {
+      held_back = ": the newest is faster than twice max_speed_mps (" +
+                  std::to_string(parameters_.max_speed_mps) + ") or max_turn_rate_radps (" +
+                  std::to_string(parameters_.max_turn_rate_radps) + ")";
+    }
+    refuse(Unavailable::kNotYetAvailable,
+           "no odometry up to " + toText(to_ns) + " yet" + held_back);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -217,6 +218,31 @@ TEST(OdometryBuffer, BridgesAGapWithMoreNoiseAndRefusesALongOne) {
   EXPECT_EQ(reasonFor(holed, 0.5, 4.5), Unavailable::kGap);
   EXPECT_NEAR(motion(holed, 0.5, 1.0).x_m, 0.5, 1e-9);
   EXPECT_NEAR(motion(holed, 4.0, 4.5).x_m, 0.5, 1e-9);
+}
+
+TEST(OdometryBuffer, AGapOverWhichThePoseStaysIsNone) {
+  OdometryBufferParameters parameters;
+  parameters.max_gap_s = 2.0;
+  parameters.buffer_duration_s = 3600.0;
+  std::vector<OdometrySample> samples = drive({1.0, 0.0, 0.0}, 1.0, 0.1);
+  OdometrySample later = samples.back();
+  later.stamp_ns += 60'000'000'000;
+  later.odom_from_base.x_m += 0.01;
+  samples.push_back(later);
+  const double end_s = 1e-9 * static_cast<double>(later.stamp_ns - samples.front().stamp_ns);
+  EXPECT_NEAR(motion(bufferOf(samples, parameters), 0.0, end_s).x_m, 1.01, 1e-6);
+  samples.back().odom_from_base.x_m += 0.1;
+  EXPECT_EQ(reasonFor(bufferOf(samples, parameters), 0.0, end_s), Unavailable::kGap);
+}
+
+TEST(OdometryBuffer, NamesTheLimitThatHoldsOdometryBack) {
+  const OdometryBuffer buffer = bufferOf(drive({9.0, 0.0, 0.0}, 0.2, 0.05));
+  try {
+    motion(buffer, 0.0, 0.15);
+    FAIL();
+  } catch (const OdometryUnavailable& error) {
+    EXPECT_NE(std::string(error.what()).find("max_speed_mps"), std::string::npos);
+  }
 }
 
 TEST(OdometryBuffer, OneSampleThatJumpsIsNotUsed) {

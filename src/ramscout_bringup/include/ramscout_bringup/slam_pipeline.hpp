@@ -28,6 +28,8 @@ struct SlamParameters {
   ram_slam::LaserOdometryParameters laser_odometry;
   ramscout_feature_detector::FeatureDetectorParameters feature_detector;
   ramscout_kinematics::KinematicsParameters kinematics;
+  /// By which the variance of the motion is larger for wheels alone than for refined odometry.
+  double wheels_noise_factor = 1000.0;
   ram_slam::EstimatorFactory estimator;
   ram_slam::FastSlamParameters fast_slam;  ///< for tools that look into FastSLAM
   ram_slam::RecoveryParameters recovery;   ///< likewise

@@ -33,6 +33,7 @@ struct KinematicsParameters {
   std::string model = "differential";
   std::shared_ptr<const DriveModel> drive_model = makeDriveModel("differential");
   OdometryBufferParameters buffer;
+  double noise_factor = 1.0;  ///< by which the variance of the drive model is multiplied
   /// Standard deviation of where a robot is that has seemed to stand still for 1 s; grows with the
   /// root of the time.
   double standing_sigma_m = 0.001;

@@ -45,6 +45,9 @@ struct OdometryBufferParameters {
   double acceleration_sigma_mps2 = 1.0;
   double turn_acceleration_sigma_radps2 = 2.0;
   /// What a sample may be off beyond the speed limits before it is a jump: stamps jitter.
+  /// A gap over which the pose changed by no more than this is none: the robot stood still.
+  double still_gap_m = 0.05;
+  double still_gap_rad = 0.05;
   double jump_slack_m = 0.1;
   double jump_slack_rad = 0.1;
   /// Shortest time between two poses that give a velocity.
