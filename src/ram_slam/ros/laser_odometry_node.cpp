@@ -47,7 +47,11 @@ void LaserOdometryNode::onOdometry(const nav_msgs::Odometry& message) {
 
 void LaserOdometryNode::processWaiting() {
   while (auto scan = scans_.next(stage_.drops())) stage_.add(std::move(*scan));
-  while (const auto step = stage_.next()) publish(step->estimate);
+  while (const auto step = stage_.next()) {
+    for (const ram_slam::StampedPose2& pose : step->between)
+      publish(pose.stamp_ns, {pose.pose, step->estimate.odom_from_base.covariance});
+    publish(step->estimate);
+  }
   if (stage_.resetCount() != reset_count_) {
     reset_count_ = stage_.resetCount();
     ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic()
@@ -66,11 +70,16 @@ void LaserOdometryNode::publish(const ram_slam::LaserOdometryEstimate& estimate)
         kLogPeriodS,
         "Odometry stuck: the scans show motion, the odometry none; check the encoders");
   }
+  publish(estimate.stamp_ns, estimate.odom_from_base);
+}
+
+void LaserOdometryNode::publish(std::int64_t stamp_ns,
+                                const ram_slam::PoseWithCovariance2& odom_from_base) {
   nav_msgs::Odometry message;
-  message.header.stamp = toTime(estimate.stamp_ns);
+  message.header.stamp = toTime(stamp_ns);
   message.header.frame_id = parameters_.odom_frame;
   message.child_frame_id = parameters_.base_frame;
-  message.pose = toPoseWithCovarianceMessage(estimate.odom_from_base);
+  message.pose = toPoseWithCovarianceMessage(odom_from_base);
   publisher_.publish(message);
 }
 

@@ -27,6 +27,7 @@ private:
   void onOdometry(const nav_msgs::Odometry& message);
   void processWaiting();
   void publish(const ram_slam::LaserOdometryEstimate& estimate);
+  void publish(std::int64_t stamp_ns, const ram_slam::PoseWithCovariance2& odom_from_base);
 
   ram_slam::LaserOdometryParameters parameters_;
   ram_slam::OdometryStage stage_;

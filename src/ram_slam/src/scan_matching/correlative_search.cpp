@@ -71,13 +71,22 @@ public:
     if (!found_) return std::nullopt;
     CorrelativeMatch match;
     match.score = best_.score;
-    match.map_from_laser = {centre_.x_m + best_.shift.column * pyramid_.resolution_m(),
-                            centre_.y_m + best_.shift.row * pyramid_.resolution_m(),
-                            wrapAngle(centre_.yaw_rad + angles_rad_[best_.angle])};
+    match.map_from_laser = poseOf(best_);
     return match;
   }
 
 private:
+  Pose2 poseOf(const Node& leaf) const {
+    return {centre_.x_m + leaf.shift.column * pyramid_.resolution_m(),
+            centre_.y_m + leaf.shift.row * pyramid_.resolution_m(),
+            wrapAngle(centre_.yaw_rad + angles_rad_[leaf.angle])};
+  }
+
+  bool isExcluded(const Node& leaf) const {
+    return window_.excluded &&
+           !window_.excluded_gate.isExceededBy(window_.excluded->inverse() * poseOf(leaf));
+  }
+
   void addAngle(const std::vector<Eigen::Vector2f>& points, double angle_rad) {
     const Eigen::Matrix2f rotation =
         Eigen::Rotation2Df(static_cast<float>(centre_.yaw_rad + angle_rad)).toRotationMatrix();
@@ -150,6 +159,7 @@ private:
     for (const Node& node : nodes) {
       if (node.score <= best_.score) return;
       if (node.level == 0) {
+        if (isExcluded(node)) continue;
         best_ = node;
         found_ = true;
         return;

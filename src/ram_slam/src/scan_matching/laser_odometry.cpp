@@ -10,7 +10,7 @@
 #include <Eigen/Dense>
 
 #include "ram_slam/motion/motion_noise.hpp"
-#include "ram_slam/scan_matching/correlative_search.hpp"
+#include "ram_slam/scan_matching/pose_hypotheses.hpp"
 
 namespace ram_slam {
 namespace {
@@ -30,19 +30,15 @@ Eigen::Matrix3d shiftCovariance(const Eigen::Matrix3d& covariance, const Eigen::
   return jacobian * covariance * jacobian.transpose();
 }
 
-std::vector<Eigen::Vector2f> spread(const std::vector<SurfacePoint>& points,
-                                    std::size_t max_count) {
-  const std::size_t stride = std::max<std::size_t>(1, (points.size() + max_count - 1) / max_count);
-  std::vector<Eigen::Vector2f> some;
-  for (std::size_t i = 0; i < points.size(); i += stride)
-    some.emplace_back(points[i].x_m, points[i].y_m);
-  return some;
-}
-
 }  // namespace
 
 LaserOdometry::LaserOdometry(const LaserOdometryParameters& parameters)
-    : parameters_(parameters), wheel_bias_(parameters.wheel_bias) {
+    : parameters_(parameters),
+      hypotheses_{parameters.matcher,          parameters.pose_likelihood,
+                  parameters.pose_search,      parameters.slip.probability,
+                  parameters.slip.probability, parameters.slip.prior_variance_factor,
+                  parameters.search_distance_m},
+      wheel_bias_(parameters.wheel_bias) {
   parameters_.validate();
 }
 
@@ -64,29 +60,41 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   SurfaceScan surfaces =
       extractSurfaces(scan, parameters_.surfaces,
                       continued(laser_motion, scan.stamp_ns - last_.stamp_ns, scan.duration_ns()));
+  wheels_repeat_ = odom_from_base && repeatsReading(*odom_from_base);
   LaserOdometryEstimate estimate;
   estimate.stamp_ns = scan.stamp_ns;
-  ScanMatch found = match(surfaces, base_from_laser, prediction, estimate.wheels_slipped);
+  ScanMatch found = match(surfaces, base_from_laser, prediction, estimate);
   estimate.inlier_ratio = found.inlier_ratio;
-  const Pose2& before = last_.odom_from_base.pose;
-  const double interval_s = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
-  const Pose2 found_motion = before.inverse() * found.map_from_laser * base_from_laser.inverse();
-  estimate.jumped = odom_from_base && last_wheels_ && isJump(found_motion, prediction, interval_s);
+  const bool has_wheels = odom_from_base && last_wheels_;
+  estimate.jumped = has_wheels && isJump(found.map_from_laser * base_from_laser.inverse(),
+                                         prediction, scan.stamp_ns);
   if (estimate.jumped) {
     // Whatever walls the scan was matched with, the robot cannot have got there: it continues from
     // where the wheels lead.
-    found.map_from_laser = before * prediction.motion * base_from_laser;
+    found.map_from_laser = last_.odom_from_base.pose * prediction.motion * base_from_laser;
     found.information.setZero();
-    key_scans_.clear();
   }
+  contradicting_count_ = estimate.contradicts ? contradicting_count_ + 1 : 0;
+  estimate.jumped |= contradicting_count_ >= parameters_.slip.contradicting_scans;
   fuse(found, base_from_laser, prediction, estimate);
-  keepIfKeyScan(std::move(surfaces), found);
+  if (estimate.jumped) key_scans_.clear();
+  if (estimate.jumped || !estimate.contradicts) {
+    contradicting_count_ = 0;
+    placed_ns_ = scan.stamp_ns;
+    keepIfKeyScan(std::move(surfaces), found);
+  }
   learnBias(estimate, odom_from_base);
   estimate.wheels_stuck = areStuck(odom_from_base, estimate.odom_from_base.pose);
-  last_interval_s_ = interval_s;
+  last_interval_s_ = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
   last_wheels_ = odom_from_base;
   last_ = estimate;
   return estimate;
+}
+
+void LaserOdometry::replaceWheels(const std::optional<Pose2>& odom_from_base) {
+  last_wheels_ = odom_from_base;
+  interval_.reset();
+  standing_.reset();
 }
 
 LaserOdometryEstimate LaserOdometry::begin(const LaserScan& scan,
@@ -96,6 +104,7 @@ LaserOdometryEstimate LaserOdometry::begin(const LaserScan& scan,
   last_.stamp_ns = scan.stamp_ns;
   last_.odom_from_base.pose = odom_from_base.value_or(Pose2{});
   last_.inlier_ratio = 1.0;
+  placed_ns_ = scan.stamp_ns;
   key_scans_.push_back({std::move(surfaces), last_.odom_from_base.pose * base_from_laser});
   last_wheels_ = odom_from_base;
   return last_;
@@ -107,7 +116,11 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
   const double interval_s = 1e-9 * static_cast<double>(stamp_ns - last_.stamp_ns);
   double deviation_m = 0.0;
   double deviation_rad = 0.0;
-  if (odom_from_base && last_wheels_) {
+  // Of wheels that were stuck the next motion may be that of all the time: constant speed is the
+  // better guess, but not over a gap.
+  const double longest_s = parameters_.constant_speed.max_interval_ratio * last_interval_s_;
+  const bool were_stuck = last_.wheels_stuck && interval_s <= longest_s;
+  if (odom_from_base && last_wheels_ && !were_stuck) {
     prediction.motion = wheel_bias_.corrected(last_wheels_->inverse() * *odom_from_base);
     const MotionNoise noise{
         parameters_.wheel_rest_deviation_m, parameters_.wheel_rest_deviation_rad,
@@ -135,7 +148,7 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
 ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
                                const Pose2& base_from_laser,
                                const Prediction& prediction,
-                               bool& slipped) const {
+                               LaserOdometryEstimate& estimate) const {
   const std::vector<ReferenceScan> reference_scans = references();
   const Pose2& before = last_.odom_from_base.pose;
   const Pose2 predicted = before * prediction.motion * base_from_laser;
@@ -143,41 +156,50 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
       (before * prediction.motion).translation() - predicted.translation();
   const Eigen::Matrix3d covariance =
       shiftCovariance(rotate(prediction.covariance, before.yaw_rad), -lever);
-  PosePrior prior{predicted, covariance.inverse()};
-
-  ScanMatch best = matchScan(surfaces, reference_scans, prior, predicted, parameters_.matcher);
-  const Eigen::Vector3d correction = componentDifference(best.map_from_laser, predicted);
-  const double deviations2 = correction.dot(prior.information * correction);
-  slipped = deviations2 > parameters_.slip.deviations * parameters_.slip.deviations;
-  if (!slipped && best.inlier_ratio >= parameters_.lost_inlier_ratio) return best;
-
-  prior.information /= parameters_.slip.prior_variance_factor;
-  const auto tryFrom = [&](const Pose2& guess) {
-    const ScanMatch other = matchScan(surfaces, reference_scans, prior, guess, parameters_.matcher);
-    if (other.inlier_ratio > best.inlier_ratio) best = other;
+  const PosePrior prior{predicted, covariance.inverse()};
+  const auto contradictsWheels = [&](const Pose2& pose) {
+    const Eigen::Vector3d correction = componentDifference(pose, predicted);
+    const double deviations2 = correction.dot(prior.information * correction);
+    return deviations2 > parameters_.slip.deviations * parameters_.slip.deviations;
   };
-  tryFrom(best.map_from_laser);
-  tryFrom(before * base_from_laser);
-  tryFrom(before * last_.motion.pose * base_from_laser);
+  const ScanMatch first =
+      matchScan(surfaces, reference_scans, prior, predicted, parameters_.matcher);
+  estimate.wheels_slipped = contradictsWheels(first.map_from_laser);
+  if (!estimate.wheels_slipped && !last_.wheels_slipped &&
+      first.inlier_ratio >= parameters_.lost_inlier_ratio)
+    return first;
+
+  PoseHypotheses::Settings settings = hypotheses_;
+  if (last_.wheels_slipped || wheels_repeat_)
+    settings.slip_probability = parameters_.slip.continued_probability;
+  PoseHypotheses hypotheses(surfaces, reference_scans, prior, settings);
+  hypotheses.add(first);
+  const PosePrior weak{predicted, prior.information / parameters_.slip.prior_variance_factor};
+  for (const Pose2& guess : {first.map_from_laser, before * base_from_laser,
+                             before * last_.motion.pose * base_from_laser})
+    hypotheses.alignFrom(guess, weak);
   for (const double angle_rad :
        {parameters_.search_angle_rad, parameters_.pose_search.wide_angle_rad}) {
-    if (best.inlier_ratio >= parameters_.lost_inlier_ratio) break;
-    if (const auto found = search(surfaces, predicted, angle_rad)) {
-      prior = {*found, Eigen::Matrix3d::Identity()};
-      tryFrom(*found);
-    }
+    if (hypotheses.best().match.inlier_ratio >= parameters_.lost_inlier_ratio) break;
+    hypotheses.search(angle_rad);
   }
+  ScanMatch best = hypotheses.best().match;
+  estimate.wheels_slipped = contradictsWheels(best.map_from_laser);
+  estimate.searched = hypotheses.best().searched;
+  estimate.contradicts = hypotheses.best().contradiction > parameters_.slip.contradiction;
+  if (estimate.searched) best.information /= parameters_.slip.prior_variance_factor;
   return best;
 }
 
-bool LaserOdometry::isJump(const Pose2& found_motion,
+bool LaserOdometry::isJump(const Pose2& odom_from_base,
                            const Prediction& prediction,
-                           double interval_s) const {
+                           std::int64_t stamp_ns) const {
   const SlipParameters& slip = parameters_.slip;
-  const MotionGate reach{slip.jump.distance_m + slip.max_speed_mps * interval_s,
-                         slip.jump.angle_rad + slip.max_turn_speed_radps * interval_s};
-  return reach.isExceededBy(found_motion) &&
-         reach.isExceededBy(prediction.motion.inverse() * found_motion);
+  const double since_s = 1e-9 * static_cast<double>(stamp_ns - placed_ns_);
+  const MotionGate reach{slip.jump.distance_m + slip.max_speed_mps * since_s,
+                         slip.jump.angle_rad + slip.max_turn_speed_radps * since_s};
+  const Pose2 motion = last_.odom_from_base.pose.inverse() * odom_from_base;
+  return reach.isExceededBy(motion) && reach.isExceededBy(prediction.motion.inverse() * motion);
 }
 
 void LaserOdometry::fuse(const ScanMatch& found,
@@ -193,6 +215,9 @@ void LaserOdometry::fuse(const ScanMatch& found,
       variance_factor * rotate(prediction.covariance, before.yaw_rad);
   const Eigen::Vector2d lever = odom_from_base.translation() - found.map_from_laser.translation();
   const Eigen::Matrix3d laser_prior = shiftCovariance(prior_covariance, -lever);
+  const double yaw_variance = found.information.ldlt().solve(Eigen::Vector3d::UnitZ()).z();
+  if (found.information.determinant() > 0.0 && yaw_variance > 0.0)
+    estimate.scan_deviation_rad = std::sqrt(yaw_variance);
   const Eigen::Matrix3d laser_covariance = (found.information + laser_prior.inverse()).inverse();
   estimate.motion.pose = before.inverse() * odom_from_base;
   estimate.motion.covariance = rotate(shiftCovariance(laser_covariance, lever), -before.yaw_rad);
@@ -219,6 +244,13 @@ void LaserOdometry::learnBias(const LaserOdometryEstimate& estimate,
   if (trusted) interval_ = Interval{*wheels, estimate.odom_from_base.pose};
 }
 
+bool LaserOdometry::repeatsReading(const Pose2& odom_from_base) const {
+  const MotionGate& standing = parameters_.slip.standing;
+  if (!last_wheels_ || standing.isExceededBy(last_wheels_->inverse() * odom_from_base))
+    return false;
+  return wheels_repeat_ || standing.isExceededBy(last_.motion.pose);
+}
+
 bool LaserOdometry::areStuck(const std::optional<Pose2>& wheels, const Pose2& odom_from_base) {
   if (!wheels) {
     standing_.reset();
@@ -228,32 +260,6 @@ bool LaserOdometry::areStuck(const std::optional<Pose2>& wheels, const Pose2& od
   if (!standing_ || slip.standing.isExceededBy(standing_->wheels.inverse() * *wheels))
     standing_ = Interval{*wheels, odom_from_base};
   return slip.stuck.isExceededBy(standing_->observed.inverse() * odom_from_base);
-}
-
-std::optional<Pose2> LaserOdometry::search(const SurfaceScan& surfaces,
-                                           const Pose2& odom_from_laser,
-                                           double angle_rad) const {
-  std::vector<Eigen::Vector2f> points_in_odom;
-  for (const ReferenceScan& reference : references()) {
-    const Eigen::Matrix2f rotation = reference.map_from_laser.rotation().cast<float>();
-    const Eigen::Vector2f shift = reference.map_from_laser.translation().cast<float>();
-    for (const SurfacePoint& point : reference.surfaces->points) {
-      points_in_odom.push_back(rotation * Eigen::Vector2f(point.x_m, point.y_m) + shift);
-    }
-  }
-  if (points_in_odom.empty()) return std::nullopt;
-  const PoseSearchParameters& settings = parameters_.pose_search;
-  const LikelihoodPyramid pyramid(points_in_odom, settings.resolution_m, settings.deviation_m,
-                                  settings.levels);
-  SearchWindow window;
-  window.angle_step_rad = settings.angle_step_rad;
-  window.distance_m = parameters_.search_distance_m;
-  window.angle_rad = angle_rad;
-  const auto found =
-      searchPose(pyramid, spread(surfaces.points, static_cast<std::size_t>(settings.max_points)),
-                 odom_from_laser, window, settings.min_score);
-  if (!found) return std::nullopt;
-  return found->map_from_laser;
 }
 
 std::vector<ReferenceScan> LaserOdometry::references() const {

@@ -13,6 +13,17 @@ const ParameterTable<SlipParameters>& SlipParameters::table() {
                "The wheels slip if scans contradict them by more standard deviations than this.")
           .add("prior_variance_factor", &P::prior_variance_factor, "", atLeast(1.0),
                "By which the variance of the wheels' motion grows when they slip.")
+          .add("probability", &P::probability, "", between(0.0, 1.0),
+               "That the wheels slip between two scans. Scans overrule the wheels only where both "
+               "together are likelier than the wheels alone.")
+          .add("continued_probability", &P::continued_probability, "", between(0.0, 1.0),
+               "That wheels which slipped go on slipping up to the next scan.")
+          .add("contradiction", &P::contradiction, "", between(0.0, 1.0),
+               "A scan of which a larger share of the readings contradicts the key scans, wherever "
+               "it is placed, is not matched with by later scans, ...")
+          .add("contradicting_scans", &P::contradicting_scans, "", atLeast(1),
+               "... unless so many in a row contradict: then the key scans are forgotten, as when "
+               "the robot was carried away.")
           .include(&P::jump,
                    motionGateTable("Beyond this, and beyond the interval times the two greatest "
                                    "speeds, a motion that scans show and wheels do not is a jump: "
@@ -28,27 +39,6 @@ const ParameterTable<SlipParameters>& SlipParameters::table() {
                    motionGateTable("Wheels that stand still are stuck if the robot moves farther "
                                    "than this meanwhile."),
                    "stuck_");
-  return table;
-}
-
-const ParameterTable<PoseSearchParameters>& PoseSearchParameters::table() {
-  using P = PoseSearchParameters;
-  static const auto table =
-      ParameterTable<P>()
-          .add("resolution_m", &P::resolution_m, "m", positive(),
-               "Side of a cell of the likelihood grid.")
-          .add("deviation_m", &P::deviation_m, "m", positive(),
-               "Standard deviation of the readings in the likelihood grid.")
-          .add("levels", &P::levels, "", within(1, 8),
-               "Levels of the grid pyramid, each half as fine as the one before.")
-          .add("max_points", &P::max_points, "", atLeast(1),
-               "Points of a scan that are used, evenly spread.")
-          .add("min_score", &P::min_score, "", within(0.0, 1.0),
-               "Mean likelihood that a pose needs.")
-          .add("angle_step_rad", &P::angle_step_rad, "rad", positive(),
-               "Between the angles that are tried.")
-          .add("wide_angle_rad", &P::wide_angle_rad, "rad", positive(),
-               "Angle to each side of a second search, when the first has found nothing.");
   return table;
 }
 
@@ -125,8 +115,14 @@ ParameterTable<P> userRows() {
 const ParameterTable<LaserOdometryParameters>& LaserOdometryParameters::table() {
   static const auto table =
       userRows()
+          .expert("Gaps between scans")
+          .add("between_scans_s", &P::between_scans_s, "s", positive(),
+               "Where scans are farther apart than twice this, the poses of the wheels are "
+               "published in between, so far from each other.")
           .expert("When scans overrule the wheels")
           .section("slip", &P::slip, SlipParameters::table())
+          .expert("How likely a scan is at a pose")
+          .section("pose_likelihood", &P::pose_likelihood, PoseLikelihoodParameters::table())
           .expert("Search for a lost pose")
           .section("pose_search", &P::pose_search, PoseSearchParameters::table())
           .expert("Motion without wheel odometry")

@@ -122,6 +122,15 @@ void SurfaceParameters::validate() const {
   table().check(*this);
 }
 
+bool lieOnOneLine(const SurfacePoint& a, const SurfacePoint& b, double max_deviation_m) {
+  if (!a.hasNormal() || !b.hasNormal()) return false;
+  const float x_m = b.x_m - a.x_m;
+  const float y_m = b.y_m - a.y_m;
+  const float from_a_m = std::abs(a.normal_x * x_m + a.normal_y * y_m);
+  const float from_b_m = std::abs(b.normal_x * x_m + b.normal_y * y_m);
+  return std::max(from_a_m, from_b_m) <= static_cast<float>(max_deviation_m);
+}
+
 SurfaceScan extractSurfaces(const LaserScan& scan,
                             const SurfaceParameters& parameters,
                             const Pose2& last_beam) {

@@ -38,6 +38,8 @@ std::optional<OdometryStep> OdometryStage::next() {
       odometry_ = LaserOdometry(parameters_);
       stamp_offset_ = StampOffset(parameters_.max_stamp_offset_s, parameters_.stamp_offset);
       scans_.setStampOffset(0);
+      last_offset_ns_ = 0;
+      last_ = {};
     }
     try {
       return refine(std::move(*ready));
@@ -51,17 +53,55 @@ std::optional<OdometryStep> OdometryStage::next() {
 OdometryStep OdometryStage::refine(SynchronisedScan ready) {
   OdometryStep step;
   if (refines_) {
+    followStampOffset();
     step.estimate = odometry_.update(ready.scan, ready.base_from_laser, ready.odom_from_base);
+    step.between = posesBetween(step.estimate, ready.odom_from_base);
   } else {
     step.estimate.stamp_ns = ready.scan.stamp_ns;
     step.estimate.odom_from_base.pose = ready.odom_from_base.value_or(Pose2{});
   }
   step.scan = {std::move(ready.scan), ready.base_from_laser};
   if (!refines_) return step;
-  stamp_offset_.addScan({step.estimate.stamp_ns, step.estimate.odom_from_base.pose});
-  scans_.setStampOffset(stamp_offset_.offset_ns());
+  last_ = {step.estimate.stamp_ns, step.estimate.odom_from_base.pose};
+  learnStampOffset(step.estimate);
   slip_count_ += step.estimate.wheels_slipped ? 1 : 0;
   return step;
+}
+
+void OdometryStage::followStampOffset() {
+  if (scans_.stampOffset_ns() == last_offset_ns_) return;
+  last_offset_ns_ = scans_.stampOffset_ns();
+  odometry_.replaceWheels(scans_.odometryOf(last_.stamp_ns));
+}
+
+Trajectory OdometryStage::posesBetween(const LaserOdometryEstimate& estimate,
+                                       const std::optional<Pose2>& odom_from_base) const {
+  const auto step_ns = static_cast<std::int64_t>(1e9 * parameters_.between_scans_s);
+  const std::int64_t interval_ns = estimate.stamp_ns - last_.stamp_ns;
+  if (last_.stamp_ns == 0 || interval_ns <= 2 * step_ns || !odom_from_base) return {};
+  const std::optional<Pose2> wheels_before = scans_.odometryOf(last_.stamp_ns);
+  if (!wheels_before) return {};
+  const Pose2 by_wheels = last_.pose * wheels_before->inverse() * *odom_from_base;
+  const Pose2 correction = by_wheels.inverse() * estimate.odom_from_base.pose;
+  Trajectory poses;
+  for (const StampedPose2& wheels : scans_.odometryBetween(last_.stamp_ns, estimate.stamp_ns)) {
+    const std::int64_t before_ns = poses.empty() ? last_.stamp_ns : poses.back().stamp_ns;
+    if (wheels.stamp_ns < before_ns + step_ns) continue;
+    const auto since_ns = static_cast<double>(wheels.stamp_ns - last_.stamp_ns);
+    const Pose2 share = interpolate({}, correction, since_ns / static_cast<double>(interval_ns));
+    poses.push_back({wheels.stamp_ns, last_.pose * wheels_before->inverse() * wheels.pose * share});
+  }
+  return poses;
+}
+
+void OdometryStage::learnStampOffset(const LaserOdometryEstimate& estimate) {
+  if (estimate.jumped || estimate.searched ||
+      estimate.scan_deviation_rad > parameters_.stamp_offset.max_scan_deviation_rad) {
+    stamp_offset_.interrupt();
+  } else {
+    stamp_offset_.addScan({estimate.stamp_ns, estimate.odom_from_base.pose});
+  }
+  scans_.setStampOffset(stamp_offset_.offset_ns());
 }
 
 }  // namespace ram_slam

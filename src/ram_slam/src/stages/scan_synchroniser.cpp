@@ -76,6 +76,17 @@ std::optional<SynchronisedScan> ScanSynchroniser::next() {
   return std::nullopt;
 }
 
+Trajectory ScanSynchroniser::odometryBetween(std::int64_t first_scan_ns,
+                                             std::int64_t last_scan_ns) const {
+  Trajectory between;
+  for (const StampedPose2& reading : odometry_) {
+    const std::int64_t stamp_ns = reading.stamp_ns - stamp_offset_ns_;
+    if (stamp_ns > first_scan_ns && stamp_ns < last_scan_ns)
+      between.push_back({stamp_ns, reading.pose});
+  }
+  return between;
+}
+
 bool ScanSynchroniser::isGivenUp() const {
   const std::int64_t wait_ns = scans_.back().scan.stamp_ns - scans_.front().scan.stamp_ns;
   return is_finished_ || scans_.size() > parameters_.max_waiting_scans ||

@@ -98,5 +98,20 @@ TEST_P(CorrelativeSearch, NothingOutsideTheMapScores) {
 
 INSTANTIATE_TEST_SUITE_P(Levels, CorrelativeSearch, testing::Values(1, 2, 5));
 
+TEST(CorrelativeSearch, LeavesOutThePlacesAboutAnExcludedPose) {
+  const LikelihoodPyramid pyramid(wallsOfRoom(), kResolutionM, 0.06, 4);
+  SearchWindow window;
+  window.angle_rad = 0.2;
+  const auto best = searchPose(pyramid, query(1), kMapFromLaser, window, 0.0);
+  ASSERT_TRUE(best);
+  window.excluded = best->map_from_laser;
+  window.excluded_gate = {0.2, 0.1};
+  const auto other = searchPose(pyramid, query(1), kMapFromLaser, window, 0.0);
+  ASSERT_TRUE(other);
+  EXPECT_TRUE(
+      window.excluded_gate.isExceededBy(best->map_from_laser.inverse() * other->map_from_laser));
+  EXPECT_LT(other->score, best->score);
+}
+
 }  // namespace
 }  // namespace ram_slam

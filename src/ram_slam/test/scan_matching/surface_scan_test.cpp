@@ -95,5 +95,15 @@ TEST(SurfaceParameters, RefuseValuesOutOfBounds) {
   EXPECT_THROW(parameters.validate(), std::invalid_argument);
 }
 
+TEST(Surfaces, PointsLieOnOneLineIfEachIsNearTheOthers) {
+  const SurfacePoint a{1.0F, 0.0F, -1.0F, 0.0F};
+  const SurfacePoint beside{1.0F, 2.0F, -1.0F, 0.0F};
+  const SurfacePoint behind{1.1F, 0.1F, -1.0F, 0.0F};
+  const SurfacePoint bare{1.0F, 0.1F, 0.0F, 0.0F};
+  EXPECT_TRUE(lieOnOneLine(a, beside, 0.05));
+  EXPECT_FALSE(lieOnOneLine(a, behind, 0.05));
+  EXPECT_FALSE(lieOnOneLine(a, bare, 0.05));
+}
+
 }  // namespace
 }  // namespace ram_slam

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/stages/odometry_stage.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gmock/gmock.h>
 
+#include "../scan_matching/walls.hpp"
 #include "room.hpp"
 
 namespace ram_slam {
@@ -87,6 +91,67 @@ TEST(OdometryStage, BeginsAgainWhenTheClockIsSetBack) {
   ASSERT_TRUE(first);
   EXPECT_EQ(first->estimate.odom_from_base.pose.x_m, 0.0);
   EXPECT_EQ(stage.resetCount(), 1);
+}
+
+/// A robot that swings to and fro on the spot in a room; its wheels are stamped too late.
+class Swing {
+public:
+  static constexpr double kLate_s = 0.14;
+
+  static Pose2 poseAt(double time_s) { return {0.0, 0.0, 1.5 * std::sin(0.8 * time_s)}; }
+  static std::int64_t toNs(double time_s) {
+    return static_cast<std::int64_t>(std::llround(time_s * 1e9));
+  }
+  /// \param is_blind  whether nothing is in sight
+  static MountedScan scanAt(double time_s, bool is_blind) {
+    const Walls room = rectangle(-2.0, -3.0, 4.0, 2.0) + rectangle(1.0, 0.5, 1.5, 1.0);
+    TestLaser laser;
+    laser.beam_count = 181;
+    return {scanWalls(is_blind ? Walls{} : room, poseAt(time_s), toNs(time_s), laser), {}};
+  }
+};
+
+TEST(OdometryStage, ALearnedStampOffsetIsNoMotion) {
+  OdometryStage stage{LaserOdometryParameters{}};
+  double worst_rad = 0.0;
+  std::optional<LaserOdometryEstimate> last;
+  bool was_blind = false;
+  for (int step = 50; step < 4000; ++step) {  // 50 Hz
+    const double time_s = 0.02 * step;
+    // The scan at which the offset takes effect shows nothing: the wheels alone count.
+    const bool is_blind = !was_blind && stage.stampOffset_ns() != 0;
+    if (step % 5 == 0) stage.add(Swing::scanAt(time_s, is_blind));
+    if (step % 5 == 0) was_blind |= is_blind;
+    stage.addWheels({Swing::toNs(time_s), Swing::poseAt(time_s - Swing::kLate_s)});
+    while (const auto next = stage.next()) {
+      const double now_s = 1e-9 * static_cast<double>(next->estimate.stamp_ns);
+      const double error_rad = next->estimate.motion.pose.yaw_rad -
+                               (Swing::poseAt(now_s).yaw_rad - Swing::poseAt(now_s - 0.1).yaw_rad);
+      if (last) worst_rad = std::max(worst_rad, std::abs(error_rad));
+      last = next->estimate;
+    }
+  }
+  EXPECT_TRUE(was_blind);
+  EXPECT_NEAR(1e-9 * static_cast<double>(stage.stampOffset_ns()), Swing::kLate_s, 0.02);
+  EXPECT_LT(worst_rad, 0.01);
+}
+
+TEST(OdometryStage, GivesThePosesOfTheWheelsWhereScansAreFarApart) {
+  OdometryStage stage{LaserOdometryParameters{}};
+  stage.add(scanAt(0));
+  for (std::int64_t i = 0; i <= 30; ++i) stage.addWheels(wheelsAt(i));
+  stage.add(scanAt(30));
+  const auto first = stage.next();
+  const auto second = stage.next();
+  ASSERT_TRUE(first && second);
+  EXPECT_TRUE(first->between.empty());
+  ASSERT_EQ(second->between.size(), 5u);  // every half a second, within 3 s
+  for (const StampedPose2& pose : second->between) {
+    // The wheels go too far; where the scan corrects them, they are corrected all the way.
+    const double share = static_cast<double>(pose.stamp_ns - scanAt(0).scan.stamp_ns) /
+                         static_cast<double>(30 * kPeriodNs);
+    EXPECT_NEAR(pose.pose.x_m, share * second->estimate.odom_from_base.pose.x_m, 1e-6);
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 
 namespace ram_slam {
@@ -59,6 +60,8 @@ struct SearchWindow {
   double distance_m = 0.5;  ///< to each side
   double angle_rad = 0.2;   ///< to each side
   double angle_step_rad = 0.01;
+  std::optional<Pose2> excluded = {};  ///< poses within `excluded_gate` of this are left out
+  MotionGate excluded_gate = {};
 };
 
 struct CorrelativeMatch {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -27,6 +28,11 @@ struct LaserOdometryEstimate {
   /// The wheels stand still while the scans show a motion: their turns are not counted any more.
   bool wheels_stuck = false;
   bool wheels_slipped = false;  ///< the scans contradict the wheels beyond their deviation
+  /// The scan contradicts the key scans wherever it is placed; the motion is that of the wheels.
+  bool contradicts = false;
+  bool searched = false;  ///< the scan's pose was searched for: its information counts little
+  /// Standard deviation of the yaw by the scan alone; infinite if it shows nothing.
+  double scan_deviation_rad = std::numeric_limits<double>::infinity();
   /// The scans show a motion that no robot makes, as when it is carried away: the motion is that of
   /// the wheels, and later scans are matched with this one and its followers.
   bool jumped = false;
@@ -51,6 +57,10 @@ public:
                                const Pose2& base_from_laser,
                                const std::optional<Pose2>& odom_from_base);
 
+  /// The wheels' pose at the last scan, if it is another than the one that came with it: the next
+  /// motion of the wheels begins there.
+  void replaceWheels(const std::optional<Pose2>& odom_from_base);
+
 private:
   struct KeyScan {
     SurfaceScan surfaces;
@@ -74,25 +84,27 @@ private:
   ScanMatch match(const SurfaceScan& surfaces,
                   const Pose2& base_from_laser,
                   const Prediction& prediction,
-                  bool& slipped) const;
+                  LaserOdometryEstimate& estimate) const;
   /// Whether the scan was matched where no robot can be by now, given where the wheels lead.
-  bool isJump(const Pose2& found_motion, const Prediction& prediction, double interval_s) const;
+  bool isJump(const Pose2& odom_from_base,
+              const Prediction& prediction,
+              std::int64_t stamp_ns) const;
   /// Fuses the match with the prediction into the motion and the pose of `estimate`.
   void fuse(const ScanMatch& found,
             const Pose2& base_from_laser,
             const Prediction& prediction,
             LaserOdometryEstimate& estimate) const;
   void keepIfKeyScan(SurfaceScan surfaces, const ScanMatch& found);
-  std::optional<Pose2> search(const SurfaceScan& surfaces,
-                              const Pose2& odom_from_laser,
-                              double angle_rad) const;
   /// Teaches the bias of the wheels, once the robot has moved far enough since the last time.
   void learnBias(const LaserOdometryEstimate& estimate, const std::optional<Pose2>& wheels);
+  /// Of the readings of the wheels: true while they repeat one that they reached in motion.
+  bool repeatsReading(const Pose2& odom_from_base) const;
   bool areStuck(const std::optional<Pose2>& wheels, const Pose2& odom_from_base);
   std::vector<ReferenceScan> references() const;
   bool isKeyScan(const Pose2& odom_from_laser, double inlier_ratio) const;
 
   LaserOdometryParameters parameters_;
+  PoseHypotheses::Settings hypotheses_;
   std::deque<KeyScan> key_scans_;
   std::optional<Pose2> last_wheels_;
   WheelBias wheel_bias_;
@@ -100,6 +112,9 @@ private:
   std::optional<Interval> standing_;  ///< since the wheels stand still
   LaserOdometryEstimate last_;
   double last_interval_s_ = 0.0;
+  bool wheels_repeat_ = false;   ///< they moved, and now show the same pose again
+  int contradicting_count_ = 0;  ///< scans in a row
+  std::int64_t placed_ns_ = 0;   ///< of the last scan that contradicted nothing
 };
 
 }  // namespace ram_slam

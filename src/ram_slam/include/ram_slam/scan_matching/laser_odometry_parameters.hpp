@@ -7,6 +7,7 @@
 #include "ram_slam/calibration/stamp_offset.hpp"
 #include "ram_slam/calibration/wheel_bias.hpp"
 #include "ram_slam/geometry/motion_gate.hpp"
+#include "ram_slam/scan_matching/pose_hypotheses.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
 
@@ -16,6 +17,12 @@ namespace ram_slam {
 struct SlipParameters {
   double deviations = 4.0;               ///< beyond so many standard deviations the wheels slip
   double prior_variance_factor = 100.0;  ///< by which the variance of slipping wheels grows
+  double probability = 0.01;             ///< of a slip between two scans
+  double continued_probability = 0.5;    ///< the same after a slip
+  /// Beyond this share of contradicting readings a scan does not belong to the key scans; it is no
+  /// key scan until so many in a row do not: then the robot was carried away, or all is new.
+  double contradiction = 0.2;
+  int contradicting_scans = 3;
   /// Scans that show a motion beyond this and beyond the time at the two greatest speeds, while the
   /// wheels do not: the robot was carried away, or the scan was matched with the wrong walls.
   MotionGate jump{0.05, 0.05};
@@ -25,19 +32,6 @@ struct SlipParameters {
   MotionGate stuck{0.15, 0.15};       ///< the wheels are stuck if the robot moves farther meanwhile
 
   static const ram_parameters::ParameterTable<SlipParameters>& table();
-};
-
-/// The search for the pose of a scan of which too little matches.
-struct PoseSearchParameters {
-  double resolution_m = 0.05;  ///< side of a cell of the likelihood grid
-  double deviation_m = 0.06;   ///< of the readings in it
-  int levels = 4;              ///< of the grid pyramid
-  int max_points = 150;        ///< of the scan that are used, evenly spread
-  double min_score = 0.35;     ///< mean likelihood that a pose needs
-  double angle_step_rad = 0.01;
-  double wide_angle_rad = 3.2;  ///< to each side, when search_angle_rad has found nothing
-
-  static const ram_parameters::ParameterTable<PoseSearchParameters>& table();
 };
 
 /// Motion that is expected of a robot without wheel odometry: that of the interval before.
@@ -73,11 +67,14 @@ struct LaserOdometryParameters {
   /// Greatest change of speed that is expected of a robot without wheel odometry.
   double acceleration_deviation_m_per_s2 = 1.0;
   double yaw_acceleration_deviation_rad_per_s2 = 2.0;
+  /// Where scans are farther apart than twice this, the wheels' poses in between are given, too.
+  double between_scans_s = 0.5;
   /// A match below this share of paired points is searched for around the prediction.
   double lost_inlier_ratio = 0.5;
   double search_distance_m = 0.5;
   double search_angle_rad = 0.5;
   SlipParameters slip;
+  PoseLikelihoodParameters pose_likelihood;
   PoseSearchParameters pose_search;
   ConstantSpeedParameters constant_speed;
   WheelBiasParameters wheel_bias;

@@ -48,6 +48,10 @@ struct SurfaceScan {
       point_of_beam;  ///< index into `points`; of a beam without a hit: that of the next one
 };
 
+/// Whether two points that follow each other lie on one line: each near the other's.
+/// \param max_deviation_m  of a point from the line of the other
+bool lieOnOneLine(const SurfacePoint& a, const SurfacePoint& b, double max_deviation_m);
+
 /// Where everything was seen from the laser's pose at the first beam.
 /// \param last_beam  pose of the laser at the last beam, seen from the first one; in
 /// between it moves at constant twist

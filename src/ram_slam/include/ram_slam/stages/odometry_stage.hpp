@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ram_slam/calibration/stamp_offset.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/scan_matching/laser_odometry.hpp"
 #include "ram_slam/stages/scan_synchroniser.hpp"
 
@@ -16,6 +17,8 @@ namespace ram_slam {
 struct OdometryStep {
   MountedScan scan;
   LaserOdometryEstimate estimate;
+  /// Where the wheels lead from the scan before to this one, if it came long after that.
+  Trajectory between = {};
 };
 
 /// From wheels and scans to refined odometry: waits for the wheels around each scan, aligns the
@@ -49,12 +52,21 @@ public:
 
 private:
   OdometryStep refine(SynchronisedScan ready);
+  /// Takes the wheels of the last scan at the offset of now, too, so that a changed offset is no
+  /// motion.
+  void followStampOffset();
+  /// The poses by the wheels since the last scan, moved so that they end at this estimate.
+  Trajectory posesBetween(const LaserOdometryEstimate& estimate,
+                          const std::optional<Pose2>& odom_from_base) const;
+  void learnStampOffset(const LaserOdometryEstimate& estimate);
 
   LaserOdometryParameters parameters_;
   bool refines_;
   ScanSynchroniser scans_;
   LaserOdometry odometry_;
   StampOffset stamp_offset_;
+  StampedPose2 last_;                ///< estimate
+  std::int64_t last_offset_ns_ = 0;  ///< by which the last scan's wheels were taken
   std::size_t slip_count_ = 0;
   int reset_count_ = 0;  ///< that odometry_ has followed
 };

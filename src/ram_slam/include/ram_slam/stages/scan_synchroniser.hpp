@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/sensing/laser_scan.hpp"
 #include "ram_slam/stages/clock_guard.hpp"
 #include "ram_slam/stages/drop_counter.hpp"
@@ -57,6 +58,14 @@ public:
   bool add(const StampedPose2& odom_from_base);
   /// From now on the odometry is taken so much later than the scan's stamp.
   void setStampOffset(std::int64_t offset_ns) { stamp_offset_ns_ = offset_ns; }
+  std::int64_t stampOffset_ns() const { return stamp_offset_ns_; }
+  /// The odometry that belongs to a scan of this stamp by the offset of now; none if it is not
+  /// kept.
+  std::optional<Pose2> odometryOf(std::int64_t scan_stamp_ns) const {
+    return odometryAt(scan_stamp_ns + stamp_offset_ns_);
+  }
+  /// The readings of odometry that are kept from between two scans, on the clock of the scans.
+  Trajectory odometryBetween(std::int64_t first_scan_ns, std::int64_t last_scan_ns) const;
 
   /// The next scan that is complete or given up; nothing if it still waits.
   std::optional<SynchronisedScan> next();
