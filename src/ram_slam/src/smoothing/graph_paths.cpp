@@ -29,8 +29,10 @@ std::vector<double> pathLengthsTo(std::size_t target,
     queue.pop();
     if (length > length_m[node]) continue;
     const double path_m = key_scans[node].path_m;
-    if (node > 0) reach(node - 1, length + path_m - key_scans[node - 1].path_m);
-    if (node + 1 < key_scans.size()) reach(node + 1, length + key_scans[node + 1].path_m - path_m);
+    if (node > 0 && !key_scans[node].is_jump)
+      reach(node - 1, length + path_m - key_scans[node - 1].path_m);
+    if (node + 1 < key_scans.size() && !key_scans[node + 1].is_jump)
+      reach(node + 1, length + key_scans[node + 1].path_m - path_m);
     for (auto way = std::lower_bound(ways.begin(), ways.end(), std::pair(node, std::size_t{0}));
          way != ways.end() && way->first == node; ++way) {
       reach(way->second, length + shortcut_m);

@@ -24,6 +24,11 @@ Eigen::Vector2d viewCentre(const SurfaceScan& surfaces, double range_m) {
   return count > 0.0 ? Eigen::Vector2d(sum / count) : sum;
 }
 
+/// Whether most beams met something: scans of open ground cannot contradict each other.
+bool seesWalls(const SurfaceScan& surfaces) {
+  return 2 * surfaces.points.size() > surfaces.point_of_beam.size();
+}
+
 }  // namespace
 
 const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::table() {
@@ -44,6 +49,12 @@ const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::tabl
           .add("match_deviation_rad", &P::match_deviation_rad, "rad", positive(),
                "Standard deviation of the heading.")
           .expert("Choice and alignment of key scans")
+          .add("jump_inlier_ratio", &P::jump_inlier_ratio, "", within(0.0, 1.0),
+               "A key scan of which a smaller share meets those before was taken elsewhere.")
+          .add("jump_deviation_m", &P::jump_deviation_m, "m", positive(),
+               "Standard deviation of the motion to such a key scan, per axis.")
+          .add("jump_deviation_rad", &P::jump_deviation_rad, "rad", positive(),
+               "Standard deviation of the turn to such a key scan.")
           .add("view_range_m", &P::view_range_m, "m", positive(),
                "Points farther away do not count for the centre of what a scan sees.")
           .add("path_m_per_rad", &P::path_m_per_rad, "m/rad", atLeast(0.0),
@@ -146,6 +157,12 @@ void KeyScans::alignNewest() {
   const ScanMatch match =
       matchScan(keys_.back().surfaces, scansBefore(edge.to), {edge.from_from_to, edge.information},
                 edge.from_from_to, matcher_);
+  const bool sees_walls = seesWalls(keys_.back().surfaces) && seesWalls(keys_[edge.from].surfaces);
+  if (sees_walls && match.inlier_ratio < parameters_.jump_inlier_ratio) {
+    keys_.back().is_jump = true;
+    aligned_motion_.push_back(givenEdge(edge.to));
+    return;
+  }
   edge.from_from_to = match.map_from_laser;
   edge.information = withFloor(edge.information + match.information, parameters_.match_deviation_m,
                                parameters_.match_deviation_rad);
@@ -169,6 +186,11 @@ PoseEdge KeyScans::givenEdge(std::size_t to) const {
   edge.to = to;
   edge.from_from_to = keys_[to - 1].odom_from_laser.inverse() * keys_[to].odom_from_laser;
   edge.information = parameters_.motion_noise.information(edge.from_from_to);
+  if (keys_[to].is_jump) {
+    const Eigen::Vector3d deviations(parameters_.jump_deviation_m, parameters_.jump_deviation_m,
+                                     parameters_.jump_deviation_rad);
+    edge.information = deviations.cwiseAbs2().cwiseInverse().asDiagonal();
+  }
   return edge;
 }
 
@@ -238,6 +260,14 @@ Pose2 KeyScans::poseByKeyScans(const ScanRecord& scan) const {
 
 void KeyScans::setPoses(const std::vector<Pose2>& map_from_laser) {
   for (std::size_t i = 0; i < keys_.size(); ++i) keys_[i].map_from_laser = map_from_laser[i];
+}
+
+void KeyScans::moveSinceJump(std::size_t key, const Pose2& map_from_laser) {
+  std::size_t first = key;
+  while (first > 0 && !keys_[first].is_jump) --first;
+  const Pose2 shift = map_from_laser * keys_[key].map_from_laser.inverse();
+  for (std::size_t i = first; i < keys_.size(); ++i)
+    keys_[i].map_from_laser = shift * keys_[i].map_from_laser;
 }
 
 std::vector<StampedPose2> KeyScans::trajectory() const {

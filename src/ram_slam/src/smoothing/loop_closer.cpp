@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/smoothing/graph_paths.hpp"
@@ -72,6 +73,8 @@ const ram_parameters::ParameterTable<LoopCloserParameters>& LoopCloserParameters
                "By how much the new window may reach beyond it.")
           .add("loop_failed_margin_rad", &P::failed_margin_rad, "rad", atLeast(0.0),
                "By how much the new window may be turned beyond it.")
+          .add("loop_support_path_m", &P::support_path_m, "m", atLeast(0.0),
+               "Path between two places that must agree if no pose is known before.")
           .add("loop_sweep_path_m", &P::sweep_path_m, "m", positive(),
                "Path along which poses may still have drifted once all loops found are closed.");
   return table;
@@ -109,7 +112,8 @@ void LoopCloser::searchIfDue(const std::vector<KeyScan>& key_scans,
   if (key_scans[newest].path_m - searched_path_m_ < parameters_.search_distance_m) return;
   const bool found =
       searchByPoses(key_scans, newest, std::numeric_limits<double>::infinity(), false, on_closure);
-  if (!found) searchByFeatures(key_scans, on_closure);
+  if (found || searchByShape(key_scans, on_closure)) return;
+  searchByFeatures(key_scans, on_closure);
 }
 
 bool LoopCloser::sweep(const std::vector<KeyScan>& key_scans, const ClosureHandler& on_closure) {
@@ -130,7 +134,9 @@ bool LoopCloser::searchByPoses(const std::vector<KeyScan>& key_scans,
                                const ClosureHandler& on_closure) {
   searched_path_m_ = key_scans[newest].path_m;
   std::vector<double> paths_m = pathsTo(newest, key_scans);
-  for (double& path_m : paths_m) path_m = std::min(path_m, max_path_m);
+  for (double& path_m : paths_m) {
+    if (!std::isinf(path_m)) path_m = std::min(path_m, max_path_m);
+  }
   std::vector<std::size_t> candidates =
       findLoopCandidates(key_scans, newest, paths_m, parameters_.search);
   const auto most = static_cast<std::size_t>(parameters_.verified_candidates);
@@ -174,24 +180,104 @@ bool LoopCloser::tryClosing(const std::vector<KeyScan>& key_scans,
                             const ClosureHandler& on_closure) {
   const auto match = verifyLoop(key_scans, query, matcher_, parameters_.search);
   if (!match || wasOutvoted(key_scans, match->edge)) return false;
-  const KeyScan& old_key = key_scans[query.candidate];
-  const KeyScan& new_key = key_scans[query.newest];
-  const Pose2 wanted = old_key.map_from_laser * match->edge.from_from_to;
+  addClosure(key_scans, *match, false, on_closure);
+  return true;
+}
+
+void LoopCloser::addClosure(const std::vector<KeyScan>& key_scans,
+                            const LoopMatch& match,
+                            bool is_bridge,
+                            const ClosureHandler& on_closure) {
+  const KeyScan& old_key = key_scans[match.edge.from];
+  const KeyScan& new_key = key_scans[match.edge.to];
+  const Pose2 wanted = old_key.map_from_laser * match.edge.from_from_to;
   const Pose2 correction = new_key.map_from_laser.inverse() * wanted;
   LoopClosure closure;
   closure.old_stamp_ns = old_key.stamp_ns;
   closure.new_stamp_ns = new_key.stamp_ns;
-  closure.edge = match->edge;
+  closure.edge = match.edge;
   closure.edge.information = withFloor(closure.edge.information, parameters_.closure_deviation_m,
                                        parameters_.closure_deviation_rad);
-  closure.score = match->score;
-  closure.inlier_ratio = match->inlier_ratio;
-  closure.is_ambiguous = match->is_ambiguous;
+  closure.score = match.score;
+  closure.inlier_ratio = match.inlier_ratio;
+  closure.is_ambiguous = match.is_ambiguous;
   closure.correction_m = correction.translation().norm();
+  closure.is_bridge = is_bridge;
   closures_.push_back(closure);
   closed_path_m_ = std::max(closed_path_m_, new_key.path_m);
-  on_closure(query.newest, correction);
-  return true;
+  on_closure(match.edge.to, correction);
+}
+
+bool LoopCloser::searchByShape(const std::vector<KeyScan>& key_scans,
+                               const ClosureHandler& on_closure) {
+  const double range_m = parameters_.search.dense.max_range_m;
+  const auto neighbours = static_cast<std::size_t>(parameters_.search.neighbour_count);
+  while (descriptors_.size() < key_scans.size())
+    descriptors_.push_back(describePlace(key_scans[descriptors_.size()].surfaces, range_m));
+  const std::size_t newest = key_scans.size() - 1;
+  // The key scans about it must all be of this side of the last jump.
+  for (std::size_t i = newest + 1; i-- > 0 && newest - i <= neighbours;) {
+    if (key_scans[i].is_jump) return false;
+  }
+  const std::vector<double> paths_m = pathsTo(newest, key_scans);
+  const bool is_long =
+      parameters_.constellation_path_m > 0.0 &&
+      key_scans[newest].path_m - closed_path_m_ >= parameters_.constellation_path_m;
+  const bool is_lost = std::isinf(paths_m.front());
+  if (!is_lost && !is_long) return false;
+  for (const std::size_t candidate : alikePlaces(key_scans, paths_m)) {
+    if (isSettled(candidate, newest)) continue;
+    const SearchWindow window{parameters_.search.max_view_distance_m, M_PI,
+                              parameters_.search.dense.angle_step_rad};
+    const LoopQuery query{candidate, newest, key_scans[candidate].map_from_laser, window};
+    const auto match = verifyLoop(key_scans, query, matcher_, parameters_.search);
+    if (!match || match->is_ambiguous || wasOutvoted(key_scans, match->edge)) continue;
+    const bool is_supported = isSupported(key_scans, *match);
+    unsupported_.push_back(*match);
+    if (!is_supported) continue;
+    addClosure(key_scans, *match, is_lost, on_closure);
+    return true;
+  }
+  return false;
+}
+
+std::vector<std::size_t> LoopCloser::alikePlaces(const std::vector<KeyScan>& key_scans,
+                                                 const std::vector<double>& paths_m) {
+  const std::size_t newest = key_scans.size() - 1;
+  std::vector<std::pair<double, std::size_t>> ranked;
+  for (std::size_t i = 0; i < newest; ++i) {
+    if (paths_m[i] < std::max(parameters_.constellation_path_m, parameters_.search.min_path_m))
+      continue;
+    ranked.emplace_back(-likeness(descriptors_[i], descriptors_[newest]), i);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<std::size_t> places;
+  for (const auto& [score, place] : ranked) {
+    if (places.size() == static_cast<std::size_t>(parameters_.verified_candidates)) break;
+    const bool is_other = std::all_of(places.begin(), places.end(), [&](std::size_t other) {
+      return std::abs(key_scans[place].path_m - key_scans[other].path_m) >=
+             parameters_.constellation_step_m;
+    });
+    if (is_other) places.push_back(place);
+  }
+  return places;
+}
+
+bool LoopCloser::isSupported(const std::vector<KeyScan>& key_scans, const LoopMatch& match) const {
+  return std::any_of(unsupported_.begin(), unsupported_.end(), [&](const LoopMatch& other) {
+    const double new_path_m =
+        std::abs(key_scans[match.edge.to].path_m - key_scans[other.edge.to].path_m);
+    const double old_path_m =
+        std::abs(key_scans[match.edge.from].path_m - key_scans[other.edge.from].path_m);
+    if (new_path_m < parameters_.support_path_m || new_path_m > parameters_.constellation_path_m)
+      return false;
+    const Pose2 by_other = relativePose(key_scans[match.edge.from], key_scans[other.edge.from]) *
+                           other.edge.from_from_to *
+                           relativePose(key_scans[other.edge.to], key_scans[match.edge.to]);
+    const SearchWindow window = searchWindow(new_path_m + old_path_m, parameters_.search);
+    const MotionGate same{window.distance_m, window.angle_rad};
+    return !same.isExceededBy(by_other.inverse() * match.edge.from_from_to);
+  });
 }
 
 bool LoopCloser::isSettled(std::size_t from, std::size_t to) const {

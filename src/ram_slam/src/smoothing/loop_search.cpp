@@ -2,6 +2,7 @@
 #include "ram_slam/smoothing/loop_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ram_slam {
 
@@ -100,7 +101,8 @@ std::vector<std::size_t> findLoopCandidates(const std::vector<KeyScan>& key_scan
         parameters.max_view_distance_m +
         std::min(parameters.max_distance_m, parameters.drift_m_per_m * path_to_m[i]);
     const double distance_m = (key_scans[i].viewCentreInMap() - centre).norm();
-    if (path_to_m[i] < parameters.min_path_m || distance_m > allowed_m) {
+    if (std::isinf(path_to_m[i]) || path_to_m[i] < parameters.min_path_m ||
+        distance_m > allowed_m) {
       in_passage = false;
       continue;
     }

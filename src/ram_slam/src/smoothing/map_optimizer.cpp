@@ -34,6 +34,11 @@ PoseGraph motionGraph(const KeyScans& key_scans) {
   PoseGraph graph;
   for (const KeyScan& key : key_scans.keys()) graph.map_from_node.push_back(key.map_from_laser);
   graph.edges = key_scans.alignedMotion();
+  // Nothing measures these: they are to keep what the closures found.
+  for (PoseEdge& edge : graph.edges) {
+    if (key_scans.keys()[edge.to].is_jump)
+      edge.from_from_to = relativePose(key_scans.keys()[edge.from], key_scans.keys()[edge.to]);
+  }
   return graph;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/smoothing/graph_paths.hpp"
 
+#include <limits>
+
 #include <gmock/gmock.h>
 
 #include "key_scan_drive.hpp"
@@ -24,6 +26,14 @@ TEST(PathLengthsTo, UseAShortcutInBothDirections) {
 TEST(PathLengthsTo, ChainShortcuts) {
   EXPECT_THAT(pathLengthsTo(6, blindKeyScans(7, 10.0), {{3, 6}, {0, 3}}, 0.5),
               ElementsAre(1.0, 11.0, 10.5, 0.5, 10.5, 10.0, 0.0));
+}
+
+TEST(PathLengthsTo, LeadAcrossAJumpOnlyByAShortcut) {
+  std::vector<KeyScan> keys = blindKeyScans(4, 1.0);
+  keys[2].is_jump = true;
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(pathLengthsTo(3, keys, {}, 0.5), ElementsAre(kNone, kNone, 1.0, 0.0));
+  EXPECT_THAT(pathLengthsTo(3, keys, {{0, 3}}, 0.5), ElementsAre(0.5, 1.5, 1.0, 0.0));
 }
 
 TEST(PathLengthsTo, LeaveOutShortcutsThatAreLongerThanTheDrive) {

@@ -135,6 +135,45 @@ TEST(KeyScans, FollowTheGivenMotionWhereNothingIsSeen) {
   }
 }
 
+/// Two stretches of a drive through rooms that have nothing in common.
+KeyScans carriedAway() {
+  std::vector<Pose2> poses = thereAndBack(10);
+  KeyScans scans = scansAt(pillarRoom(), poses, poses);
+  TestLaser laser;
+  laser.field_of_view_rad = 2.0 * M_PI * 359.0 / 360.0;
+  laser.beam_count = 360;
+  for (int i = 1; i <= 10; ++i) {
+    const Pose2 pose{0.1 * i, 0.0, 0.0};
+    scans.add(scanWalls(rectangle(-5.3, -1.1, 2.9, 9.4), pose, 10'000'000'000 + i, laser), {},
+              pose);
+  }
+  return scans;
+}
+
+TEST(KeyScans, KnowThatTheRobotWasCarriedAway) {
+  const KeyScans scans = carriedAway();
+  int jumps = 0;
+  for (std::size_t i = 1; i < scans.keys().size(); ++i) {
+    if (!scans.keys()[i].is_jump) continue;
+    ++jumps;
+    EXPECT_LT(scans.alignedMotion()[i - 1].information(0, 0), 1.0);
+    EXPECT_LT(scans.givenMotion()[i - 1].information(2, 2), 1.0);
+  }
+  EXPECT_EQ(jumps, 1);
+}
+
+TEST(KeyScans, MoveThePartOfTheDriveSinceAJump) {
+  KeyScans scans = carriedAway();
+  const std::vector<KeyScan> before = scans.keys();
+  const std::size_t last = before.size() - 1;
+  const Pose2 target{7.0, -2.0, 1.0};
+  scans.moveSinceJump(last, target);
+  EXPECT_NEAR(scans.keys()[last].map_from_laser.x_m, target.x_m, 1e-9);
+  EXPECT_EQ(scans.keys()[0].map_from_laser.x_m, before[0].map_from_laser.x_m);
+  const Pose2 step = relativePose(scans.keys()[last - 1], scans.keys()[last]);
+  EXPECT_NEAR(step.x_m, relativePose(before[last - 1], before[last]).x_m, 1e-9);
+}
+
 TEST(KeyScans, RelativePoseIsThatOfTheSecondSeenFromTheFirst) {
   std::vector<KeyScan> keys = blindKeyScans(2, 3.0);
   keys[0].map_from_laser.yaw_rad = M_PI_2;

@@ -13,7 +13,7 @@ namespace ram_slam {
 using Shortcuts = std::vector<std::pair<std::size_t, std::size_t>>;
 
 /// The length of the shortest way from each key scan to one of them, along the path that was driven
-/// and over shortcuts (Dijkstra).
+/// and over shortcuts (Dijkstra). No way leads across a jump; infinite where there is none.
 /// \param shortcut_m  length of a shortcut
 std::vector<double> pathLengthsTo(std::size_t target,
                                   const std::vector<KeyScan>& key_scans,

@@ -27,6 +27,13 @@ struct KeyScanParameters {
   double match_deviation_m = 0.005;
   double match_deviation_rad = 0.003;
 
+  /// A key scan of which fewer points meet a surface of those before was taken somewhere else: the
+  /// robot was carried, or part of the drive is missing. Two unrelated rooms share less, by chance.
+  double jump_inlier_ratio = 0.3;
+  /// Standard deviation of the motion then.
+  double jump_deviation_m = 100.0;
+  double jump_deviation_rad = 3.0;
+
   double view_range_m = 8.0;    ///< points farther away do not count for the view centre
   double path_m_per_rad = 0.5;  ///< turning counts as path: odometry drifts by it, too
   int farthest_reference = 4;   ///< a new key scan is aligned with those 1, 2, 4, .. this back
@@ -61,6 +68,8 @@ public:
 
   /// \param map_from_laser  the pose of each key scan
   void setPoses(const std::vector<Pose2>& map_from_laser);
+  /// Moves all key scans since the last jump at or before one so that this one takes a pose.
+  void moveSinceJump(std::size_t key, const Pose2& map_from_laser);
 
   /// Edges between the laser poses of successive key scans, as they were given.
   std::vector<PoseEdge> givenMotion() const;

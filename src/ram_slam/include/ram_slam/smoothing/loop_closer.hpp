@@ -14,6 +14,7 @@
 #include "ram_slam/smoothing/key_scan.hpp"
 #include "ram_slam/smoothing/loop_search.hpp"
 #include "ram_slam/smoothing/loop_verification.hpp"
+#include "ram_slam/smoothing/place_descriptor.hpp"
 
 namespace ram_slam {
 
@@ -38,6 +39,8 @@ struct LoopCloserParameters {
   int failed_reach = 2;    ///< the same of a search that failed in a window that covers the new one
   double failed_margin_m = 0.25;  ///< by which the new window may be larger
   double failed_margin_rad = 0.05;
+  /// Path between two places that must agree on where the robot is if no pose is known before.
+  double support_path_m = 12.0;
   double sweep_path_m = 30.0;  ///< once all loops are closed, no pose has drifted by more path
 
   static const ram_parameters::ParameterTable<LoopCloserParameters>& table();
@@ -58,6 +61,7 @@ struct LoopClosure {
   double score = 0.0;         ///< of the dense search
   double inlier_ratio = 0.0;  ///< of the alignment
   double correction_m = 0.0;  ///< how far it moved the newest pose when it was found
+  bool is_bridge = false;     ///< the first one to a part of the drive beyond a jump
   bool is_ambiguous = false;  ///< along a corridor; the edge then holds the other directions only
   ClosureState state = ClosureState::kAccepted;
 };
@@ -113,6 +117,18 @@ private:
                      double max_path_m,
                      bool is_sweep,
                      const ClosureHandler& on_closure);
+  /// Searches places that look like the newest key scan's, wherever poses put them, if no way leads
+  /// there or there was no closure for long. Two that agree are accepted.
+  bool searchByShape(const std::vector<KeyScan>& key_scans, const ClosureHandler& on_closure);
+  /// Key scans that look most like the newest one, one of each stretch.
+  std::vector<std::size_t> alikePlaces(const std::vector<KeyScan>& key_scans,
+                                       const std::vector<double>& paths_m);
+  /// Whether a place found before without a known pose agrees with this one.
+  bool isSupported(const std::vector<KeyScan>& key_scans, const LoopMatch& match) const;
+  void addClosure(const std::vector<KeyScan>& key_scans,
+                  const LoopMatch& match,
+                  bool is_bridge,
+                  const ClosureHandler& on_closure);
   /// Searches the place that the recent features recognise, if there is one.
   void searchByFeatures(const std::vector<KeyScan>& key_scans, const ClosureHandler& on_closure);
   bool tryClosing(const std::vector<KeyScan>& key_scans,
@@ -135,6 +151,8 @@ private:
   std::deque<FeatureList> features_;  // of recent scans, in the order of their stamps
   std::vector<LoopClosure> closures_;
   std::vector<FailedSearch> failed_searches_;
+  std::vector<PlaceDescriptor> descriptors_;  // of the key scans
+  std::vector<LoopMatch> unsupported_;        // found without a known pose
   double searched_path_m_ = 0.0;
   double closed_path_m_ = 0.0;  // of the newest key scan with a closure, or constellation search
 };
