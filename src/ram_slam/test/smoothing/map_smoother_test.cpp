@@ -279,6 +279,34 @@ TEST(MapSmoother, HasNoTrajectoryBeforeTheFirstScan) {
   EXPECT_THAT(smoother.trajectory(), IsEmpty());
 }
 
+TEST(MapSmoother, JoinsThePartsOfADriveBetweenWhichTheRobotWasCarried) {
+  // A second round begins elsewhere, in another heading; the wheels know nothing of it.
+  MapSmootherParameters parameters;
+  parameters.key_scans.jump_inlier_ratio = 0.5;  // corridors have much in common
+  parameters.loops.support_path_m = 5.0;
+  parameters.optimize_period_s = 0.0;
+  std::vector<Pose2> truth = rounds(1);
+  std::vector<Pose2> odometry = truth;
+  const std::size_t first_count = truth.size();
+  constexpr std::size_t kElsewhere = 175;  // on the short side, towards a corner
+  for (std::size_t i = 0; i < first_count; ++i) {
+    truth.push_back(truth[(kElsewhere + i) % first_count]);
+    odometry.push_back(odometry[first_count - 1] * truth[first_count].inverse() * truth.back());
+  }
+  MapSmoother smoother(parameters);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
+    smoother.addScan(scanWalls(building(), truth[i] * kMount, stamp_ns), kMount, odometry[i]);
+  }
+  smoother.optimize();
+  int bridges = 0;
+  for (const LoopClosure& closure : smoother.closures()) bridges += closure.is_bridge ? 1 : 0;
+  EXPECT_EQ(bridges, 1);
+  const std::vector<StampedPose2> trajectory = smoother.trajectory();
+  for (std::size_t i = first_count + 5; i < truth.size(); i += 10)
+    EXPECT_LT((trajectory[i].pose.translation() - truth[i].translation()).norm(), 0.1) << i;
+}
+
 TEST(MapSmoother, OptimizesOnRequestOnlyWithAPeriodOfZero) {
   MapSmootherParameters parameters;
   parameters.optimize_period_s = 0.0;
