@@ -167,5 +167,60 @@ TEST(ReadRelations, ReadsLinesAndNamesBadOnes) {
   std::remove(path.c_str());
 }
 
+TEST(CompareWithTruth, NoOtherAlignmentHasASmallerError) {
+  // A bent estimate; the alignment found is compared with its neighbours in x, y and yaw.
+  const Trajectory truth = circle();
+  Trajectory estimate = truth;
+  for (std::size_t i = 0; i < estimate.size(); ++i)
+    estimate[i].pose.x_m += 0.01 * static_cast<double>(i % 13) - 0.002 * static_cast<double>(i);
+  const TruthComparison best = compareWithTruth(estimate, truth);
+  const auto rmsOf = [&](const Pose2& truth_from_map) {
+    double squares_m2 = 0.0;
+    for (std::size_t i = 0; i < truth.size(); ++i)
+      squares_m2 += (truth_from_map * estimate[i].pose.translation() - truth[i].pose.translation())
+                        .squaredNorm();
+    return std::sqrt(squares_m2 / static_cast<double>(truth.size()));
+  };
+  EXPECT_NEAR(rmsOf(best.truth_from_map), best.position_m.rms, 1e-12);
+  for (const double x : {-1e-3, 0.0, 1e-3}) {
+    for (const double y : {-1e-3, 0.0, 1e-3}) {
+      for (const double yaw : {-1e-3, 0.0, 1e-3}) {
+        Pose2 other = best.truth_from_map;
+        other.x_m += x;
+        other.y_m += y;
+        other.yaw_rad += yaw;
+        EXPECT_GE(rmsOf(other), best.position_m.rms - 1e-12);
+      }
+    }
+  }
+}
+
+TEST(CompareWithTruth, PosesInAGapOfTheTruthAreLeftOutAndCounted) {
+  Trajectory truth;
+  Trajectory estimate;
+  for (int i = 0; i < 60; ++i) {
+    const ram_slam::StampedPose2 pose{kSecond + i * (kSecond / 10), {0.1 * i, 0.0, 0.0}};
+    if (i < 20 || i >= 40) truth.push_back(pose);
+    estimate.push_back({pose.stamp_ns + 1, pose.pose});
+  }
+  const TruthComparison comparison = compareWithTruth(estimate, truth);
+  EXPECT_EQ(comparison.without_truth_count, 22u);  // 19 to 39, and the one behind the end
+  EXPECT_LT(comparison.position_m.max, 1e-6);
+}
+
+TEST(RelativeErrors, IntervalsLongerThanTheDriveHaveNoErrors) {
+  const auto rows = relativeErrors(circle(), circle(), {1000.0}, {1000.0, 0.5});
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0].position_m.count, 0u);
+  EXPECT_EQ(rows[1].position_m.count, 0u);
+  EXPECT_EQ(rows[2].interval, "0.5 s");
+  EXPECT_EQ(rows[2].position_m.count, 100u);
+}
+
+TEST(CompareWithRelations, NothingToCompareIsRefused) {
+  EXPECT_THROW(compareWithRelations({}, {Relation{}}, {}), std::invalid_argument);
+  EXPECT_THROW(compareWithRelations(circle(), {}, {}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace ramscout_bringup

@@ -31,5 +31,26 @@ TEST(OdometryReview, TwistOfACircleIntegratesToThatCircle) {
   EXPECT_NEAR(end.yaw_rad, ram_slam::wrapAngle(angle_rad), 1e-9);
 }
 
+TEST(OdometryReview, MotionBelowAnEncodersStepIsNone) {
+  std::vector<OdometryReading> readings(2);
+  readings[1].odom_from_child.x_m = 1e-7;
+  readings[1].twist.yaw_rad = 1e-7;
+  EXPECT_EQ(reviewOdometry(readings), OdometryContent::kNothing);
+  readings[1].twist.yaw_rad = -1e-3;
+  EXPECT_EQ(reviewOdometry(readings), OdometryContent::kTwist);
+  EXPECT_EQ(reviewOdometry({}), OdometryContent::kNothing);
+}
+
+TEST(OdometryReview, AStepLastsAsLongAsItsStampsAreApart) {
+  std::vector<OdometryReading> readings{{0, {}, {1.0, 0.5, 0.0}},
+                                        {2'000'000'000, {}, {0.0, 0.0, 1.0}},
+                                        {2'500'000'000, {}, {9.0, 9.0, 9.0}}};
+  integrateTwist(readings);
+  EXPECT_NEAR(readings[1].odom_from_child.x_m, 2.0, 1e-12);
+  EXPECT_NEAR(readings[1].odom_from_child.y_m, 1.0, 1e-12);
+  EXPECT_NEAR(readings[2].odom_from_child.x_m, 2.0, 1e-12);
+  EXPECT_NEAR(readings[2].odom_from_child.yaw_rad, 0.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace ramscout_bringup

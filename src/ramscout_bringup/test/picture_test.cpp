@@ -67,5 +67,31 @@ TEST(DrawPicture, OfNothingIsStillAPicture) {
   EXPECT_FALSE(decode(drawPicture(Results{})).empty());
 }
 
+TEST(DrawPicture, IsTheSameToTheByteEachTime) {
+  EXPECT_EQ(drawPicture(room()), drawPicture(room()));
+  EXPECT_EQ(drawPicture(room()).substr(1, 3), "PNG");
+}
+
+TEST(DrawPicture, OfALargeMapStaysWithinTheLongestEdge) {
+  Results results;
+  results.trajectory = {{kSecond, {0.0, 0.0, 0.0}}, {2 * kSecond, {20000.0, 100.0, 0.0}}};
+  const cv::Mat image = decode(drawPicture(results));
+  ASSERT_FALSE(image.empty());
+  EXPECT_LE(image.cols, static_cast<int>(PictureLayout{}.max_edge_px) + 1);
+}
+
+TEST(DrawPicture, OfATurnedMapHasItsWallsWhereTheMapFrameHasThem) {
+  Results results = room();
+  results.trajectory.clear();
+  results.map.map_from_grid = {6.0, 0.0, M_PI_2};  // the lower wall becomes the right one
+  const cv::Mat image = decode(drawPicture(results));
+  const auto pixel = [&](double x_m, double y_m) {  // 10 m high, with a margin of 1 m
+    return image.at<cv::Vec3b>(static_cast<int>((10.0 + 1.0 - y_m) * 160.0),
+                               static_cast<int>((x_m + 1.0) * 160.0));
+  };
+  EXPECT_EQ(pixel(5.975, 5.0), cv::Vec3b(30, 30, 30));
+  EXPECT_EQ(pixel(3.0, 5.0), cv::Vec3b(255, 255, 255));
+}
+
 }  // namespace
 }  // namespace ramscout_bringup

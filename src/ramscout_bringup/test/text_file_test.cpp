@@ -99,5 +99,28 @@ TEST_F(TextFileTest, AFileThatDoesNotExistIsAnErrorThatNamesIt) {
   }
 }
 
+TEST_F(TextFileTest, EveryTruncationOfAPackedFileIsRefused) {
+  const std::string text = "first\n\nthird\n";
+  for (const std::string& whole : {packed(text, boost::iostreams::gzip_compressor()),
+                                   packed(text, boost::iostreams::lzma_compressor())}) {
+    for (std::size_t size = 6; size < whole.size(); ++size)
+      EXPECT_THROW(linesOf(write(whole.substr(0, size))), std::runtime_error) << size;
+    EXPECT_EQ(linesOf(write(whole)), kLines);
+  }
+}
+
+TEST_F(TextFileTest, PackedFilesBehindEachOtherAreOneText) {
+  const std::string twice = packed("first\n\n", boost::iostreams::gzip_compressor()) +
+                            packed("third\n", boost::iostreams::gzip_compressor());
+  EXPECT_EQ(linesOf(write(twice)), kLines);
+}
+
+TEST_F(TextFileTest, ALineMayBeLongAndHoldAnyByte) {
+  std::string line(300000, 'x');
+  line[1000] = '\0';
+  line[2000] = '\xff';
+  EXPECT_EQ(linesOf(write(line + "\nend\n")), (std::vector<std::string>{line, "end"}));
+}
+
 }  // namespace
 }  // namespace ramscout_bringup

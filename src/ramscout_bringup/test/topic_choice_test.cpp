@@ -72,5 +72,18 @@ TEST(TopicChoice, NamesWhatWasNotTaken) {
   EXPECT_EQ(otherTopics({scan("/scan")}, "/scan", ""), "");
 }
 
+TEST(TopicChoice, WithoutScansTheTopicsThatAreThereAreListed) {
+  EXPECT_THAT(
+      errorOf([] { chooseScanTopic({odometry("/odom")}, ""); }),
+      HasSubstr("has no scans (sensor_msgs/LaserScan); its topics: /odom (nav_msgs/Odometry)"));
+  EXPECT_THAT(errorOf([] { chooseScanTopic({}, ""); }), HasSubstr("its topics: none"));
+}
+
+TEST(TopicChoice, TheSameNameWithAndWithoutASlashIsOneTopic) {
+  EXPECT_TRUE(isSameTopic("/scan", "scan"));
+  EXPECT_FALSE(isSameTopic("/base/scan", "scan"));
+  EXPECT_FALSE(isSameTopic("//scan", "scan"));
+}
+
 }  // namespace
 }  // namespace ramscout_bringup

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ramscout_bringup/trajectory_file.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -74,6 +76,34 @@ TEST_F(TrajectoryFile, MalformedLinesAreNamed) {
   }
   EXPECT_THROW(readTrajectory(write("# nothing\n")), std::runtime_error);
   EXPECT_THROW(readTrajectory("/does/not/exist"), std::runtime_error);
+}
+
+TEST_F(TrajectoryFile, ATrajectoryThatIsNotPlanarIsRefused) {
+  const auto refusalOf = [this](const std::string& text) -> std::string {
+    try {
+      readTrajectory(write(text));
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const std::string camera = "1 0 0 0 0.5 0.5 0.5 0.5\n2 0 0 1 0.5 0.5 0.5 0.5\n";
+  EXPECT_NE(refusalOf(camera).find("does not lie in the x-y plane"), std::string::npos);
+  const std::string climbs = "1 0 0 0 0 0 0 1\n2 1 0 50 0 0 0 1\n";
+  EXPECT_NE(refusalOf(climbs).find("z over 50"), std::string::npos);
+  EXPECT_EQ(refusalOf("1 0 0 0.5 0 0 0 1\n2 9 0 0.6 0.01 0 0 1\n"), "accepted");
+}
+
+TEST_F(TrajectoryFile, AYawIsTwiceTheAngleOfItsQuaternion) {
+  const Trajectory read = readTrajectory(write("1 0 0 0 0 0 0.5 0.8660254037844386\n"));
+  EXPECT_NEAR(read[0].pose.yaw_rad, M_PI / 3.0, 1e-12);
+  EXPECT_NEAR(std::abs(readTrajectory(write("1 0 0 0 0 0 -1 0\n"))[0].pose.yaw_rad), M_PI, 1e-12);
+}
+
+TEST_F(TrajectoryFile, OfNothingIsAnEmptyText) {
+  EXPECT_EQ(toTum({}), "");
+  EXPECT_EQ(toTum({{1'000'000'007, {0.5, -1.0, 0.0}}}),
+            "1.000000007 0.500000 -1.000000 0 0 0 0.000000000 1.000000000\n");
 }
 
 }  // namespace

@@ -88,5 +88,38 @@ TEST(TransformTree, LoopOfFramesEndsTheSearch) {
   EXPECT_FALSE(tree.lookup("odom", "a", 0));
 }
 
+TEST(TransformTree, TheNewestOfStaticTransformsCounts) {
+  TransformTree tree;
+  tree.add("base_link", "laser", 5, pose(0.1, 0.0, 0.0), true);
+  tree.add("base_link", "laser", 3, pose(0.7, 0.0, 0.0), true);
+  tree.finish();
+  EXPECT_EQ(tree.lookup("base_link", "laser", 0)->translation().x(), 0.7);
+}
+
+TEST(TransformTree, SamplesInAnyOrderAreSortedByStamp) {
+  TransformTree tree;
+  for (const int i : {3, 0, 4, 1, 2})
+    tree.add("odom", "base_link", 100 * i, pose(i, 0.0, 0.1 * i), false);
+  tree.finish();
+  for (int at = 0; at <= 400; at += 10) {
+    const auto found = tree.lookup("odom", "base_link", at);
+    ASSERT_TRUE(found);
+    EXPECT_TRUE(found->isApprox(pose(0.01 * at, 0.0, 0.001 * at), 1e-9)) << at;
+  }
+  EXPECT_THAT(tree.stamps("odom", "base_link"), ElementsAre(0, 100, 200, 300, 400));
+}
+
+TEST(TransformTree, AFrameSeenFromItselfIsTheIdentity) {
+  TransformTree tree;
+  EXPECT_EQ(tree.frames(), "none");
+  tree.add("a", "b", 0, pose(1.0, 2.0, 3.0), true);
+  tree.finish();
+  for (const char* frame : {"a", "b", "unknown"})
+    EXPECT_TRUE(tree.lookup(frame, frame, 0)->isApprox(Eigen::Isometry3d::Identity())) << frame;
+  EXPECT_TRUE(tree.has("a"));
+  EXPECT_TRUE(tree.has("/b"));
+  EXPECT_FALSE(tree.has("unknown"));
+}
+
 }  // namespace
 }  // namespace ramscout_bringup
