@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 namespace ram_slam_ros {
@@ -165,6 +166,99 @@ TEST(Conversions, ScanThatIsOfNoUseIsRefused) {
   bad = good;
   bad.ranges.resize(1000000);
   EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
+}
+
+sensor_msgs::LaserScan exampleScan() {
+  sensor_msgs::LaserScan message;
+  message.header.stamp = ros::Time(1, 5);
+  message.angle_min = -1.5F;
+  message.angle_increment = 0.25F;
+  message.time_increment = 0.001F;
+  message.range_min = 0.1F;
+  message.range_max = 10.0F;
+  message.ranges = {1.0F, 5.0F, 9.999F, 10.0F, 12.0F};
+  return message;
+}
+
+TEST(Conversions, AScanKeepsItsGeometryAndItsReadings) {
+  const ram_slam::LaserScan scan = toLaserScan(exampleScan());
+  EXPECT_EQ(scan.stamp_ns, 1'000'000'005);
+  EXPECT_EQ(scan.angle_min_rad, -1.5);
+  EXPECT_EQ(scan.angle_increment_rad, 0.25);
+  EXPECT_FLOAT_EQ(static_cast<float>(scan.time_increment_s), 0.001F);
+  EXPECT_EQ(scan.range_min_m, 0.1F);
+  EXPECT_EQ(scan.ranges_m[1], 5.0F);
+}
+
+TEST(Conversions, ReadingsAtTheLimitMeanThatNothingCameBack) {
+  const ram_slam::LaserScan scan = toLaserScan(exampleScan());
+  EXPECT_EQ(scan.at(1), ram_slam::Return::kHit);
+  for (const std::size_t beam : {2u, 3u, 4u})  // 9.999 m is the limit in millimetres
+    EXPECT_EQ(scan.at(beam), ram_slam::Return::kNothing) << beam;
+  EXPECT_EQ(countAtLimit(exampleScan()), 3u);
+}
+
+TEST(Conversions, ADriverThatNamesNoLimitHasNone) {
+  for (const float limit_m : {0.0F, 1e6F, std::numeric_limits<float>::infinity()}) {
+    sensor_msgs::LaserScan message = exampleScan();
+    message.range_max = limit_m;
+    const ram_slam::LaserScan scan = toLaserScan(message);
+    EXPECT_EQ(scan.range_max_m, ram_slam::LaserScan::kUnlimitedRangeM) << limit_m;
+    EXPECT_EQ(scan.at(4), ram_slam::Return::kHit);
+    EXPECT_EQ(countAtLimit(message), 0u);
+  }
+}
+
+TEST(Conversions, AReadingOfZeroIsNoHit) {
+  sensor_msgs::LaserScan message = exampleScan();
+  message.range_min = 0.0F;
+  message.ranges[0] = 0.0F;
+  EXPECT_NE(toLaserScan(message).at(0), ram_slam::Return::kHit);
+}
+
+TEST(Conversions, ASweepIsPlausibleUpToASecond) {
+  EXPECT_FALSE(isPlausibleSweep(0.0));
+  EXPECT_FALSE(isPlausibleSweep(-0.1));
+  EXPECT_TRUE(isPlausibleSweep(1.0));
+  EXPECT_FALSE(isPlausibleSweep(1.001));
+  sensor_msgs::LaserScan message = exampleScan();
+  message.time_increment = 0.3F;  // 1.5 s for all five
+  EXPECT_EQ(toLaserScan(message).time_increment_s, 0.0);
+}
+
+TEST(Conversions, PosesThatAreNoPosesAreRefused) {
+  geometry_msgs::Pose pose = toPoseMessage({1.0, 2.0, 0.5});
+  pose.orientation.w *= 2.0;
+  EXPECT_THROW(toPose2(pose), std::invalid_argument);
+  pose = toPoseMessage({std::numeric_limits<double>::infinity(), 2.0, 0.5});
+  EXPECT_THROW(toPose2(pose), std::invalid_argument);
+  geometry_msgs::PoseWithCovariance uncertain;
+  uncertain.pose = toPoseMessage({});
+  uncertain.covariance[35] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(toPoseWithCovariance2(uncertain), std::invalid_argument);
+  uncertain.covariance[35] = 0.0;
+  uncertain.covariance[14] = std::numeric_limits<double>::quiet_NaN();  // of z: not planar
+  EXPECT_NO_THROW(toPoseWithCovariance2(uncertain));
+}
+
+TEST(Conversions, TheYawOfATiltedPoseIsThatOfItsAxisInThePlane) {
+  // Yaw 0.6 after a roll of 0.2: x is turned by the yaw alone.
+  const Eigen::Quaterniond q = Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitZ()) *
+                               Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX());
+  geometry_msgs::Transform transform;
+  transform.rotation.x = q.x();
+  transform.rotation.y = q.y();
+  transform.rotation.z = q.z();
+  transform.rotation.w = q.w();
+  EXPECT_NEAR(toPose2(transform).yaw_rad, 0.6, 1e-12);
+}
+
+TEST(Conversions, TransformRoundTrip) {
+  const ram_slam::Pose2 pose{-4.0, 0.25, -2.5};
+  const ram_slam::Pose2 back = toPose2(toTransformMessage(pose));
+  EXPECT_EQ(back.x_m, -4.0);
+  EXPECT_EQ(back.y_m, 0.25);
+  EXPECT_NEAR(back.yaw_rad, -2.5, 1e-15);
 }
 
 }  // namespace

@@ -20,5 +20,26 @@ TEST(MotionGate, IsExceededOnlyBeyondItsBounds) {
   EXPECT_TRUE(kGate.isExceededBy({0.0, 0.0, 0.26}));
 }
 
+TEST(MotionGate, OfZeroIsReachedByRestButNotExceeded) {
+  EXPECT_TRUE(MotionGate{}.isReachedBy({}));
+  EXPECT_FALSE(MotionGate{}.isExceededBy({}));
+}
+
+TEST(MotionGateTable, RowsTakeThePrefixOfTheirOwner) {
+  struct Owner {
+    MotionGate gate{0.5, 0.25};
+  };
+  const auto table = ram_parameters::ParameterTable<Owner>().include(
+      &Owner::gate, motionGateTable("Between two scans."), "key_");
+  const auto rows = table.rows();
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].key, "key_distance_m");
+  EXPECT_EQ(rows[0].value, "0.5");
+  EXPECT_EQ(rows[1].key, "key_angle_rad");
+  Owner owner;
+  owner.gate.angle_rad = 0.0;
+  EXPECT_THROW(table.check(owner), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace ram_slam

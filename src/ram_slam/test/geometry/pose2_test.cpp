@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/geometry/pose2.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "ram_slam/geometry/random.hpp"
@@ -124,6 +126,85 @@ TEST(Random, GaussianHasTheGivenCovariance) {
     sampled += draw * draw.transpose() / samples;
   }
   EXPECT_LT((sampled - covariance).cwiseAbs().maxCoeff(), 0.05);
+}
+
+TEST(WrapAngle, IsTheAngleOfItsSineAndCosine) {
+  for (double angle_rad = -40.0; angle_rad < 40.0; angle_rad += 0.37)
+    EXPECT_NEAR(wrapAngle(angle_rad), std::atan2(std::sin(angle_rad), std::cos(angle_rad)), 1e-12);
+}
+
+TEST(Exponential, IsTheLimitOfManySmallSteps) {
+  // dx/dt = R(yaw) v, dyaw/dt = w over unit time, by the midpoint rule.
+  const Eigen::Vector3d twist(1.3, -0.4, 2.1);
+  constexpr int kSteps = 20000;
+  double x = 0.0;
+  double y = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double yaw = twist.z() * (i + 0.5) / kSteps;
+    x += (std::cos(yaw) * twist.x() - std::sin(yaw) * twist.y()) / kSteps;
+    y += (std::sin(yaw) * twist.x() + std::cos(yaw) * twist.y()) / kSteps;
+  }
+  expectNear(exponential(twist), {x, y, twist.z()}, 1e-8);
+}
+
+TEST(Logarithm, OfTheInverseIsTheTwistBackwards) {
+  Random random(5);
+  for (int i = 0; i < 100; ++i) {
+    const Pose2 pose = randomPose(random);
+    EXPECT_LT((logarithm(pose.inverse()) + logarithm(pose)).norm(), 1e-9);
+  }
+  EXPECT_EQ(logarithm(Pose2{}).norm(), 0.0);
+}
+
+TEST(Interpolate, BeginsAndEndsAtItsPosesAndContinuesBeyondThem) {
+  Random random(6);
+  for (int i = 0; i < 100; ++i) {
+    const Pose2 a = randomPose(random);
+    const Pose2 b = a * exponential({random.gaussian(), random.gaussian(), random.uniform()});
+    expectNear(interpolate(a, b, 0.0), a, 1e-10);
+    expectNear(interpolate(a, b, 1.0), b, 1e-10);
+    expectNear(interpolate(a, b, 2.0), b * (a.inverse() * b), 1e-9);
+    expectNear(interpolate(a, b, 0.3), interpolate(b, a, 0.7), 1e-9);
+  }
+}
+
+TEST(ComponentDifference, TakesTheShortWayRound) {
+  const Eigen::Vector3d difference = componentDifference({1.0, 2.0, 3.1}, {0.5, 4.0, -3.1});
+  EXPECT_NEAR(difference.x(), 0.5, 1e-15);
+  EXPECT_NEAR(difference.y(), -2.0, 1e-15);
+  EXPECT_NEAR(difference.z(), 6.2 - 2.0 * M_PI, 1e-12);
+}
+
+TEST(Pose2, CompositionIsAssociativeAndReversesInTheInverse) {
+  Random random(7);
+  for (int i = 0; i < 100; ++i) {
+    const Pose2 a = randomPose(random);
+    const Pose2 b = randomPose(random);
+    const Pose2 c = randomPose(random);
+    expectNear((a * b) * c, a * (b * c), 1e-10);
+    expectNear((a * b).inverse(), b.inverse() * a.inverse(), 1e-10);
+  }
+}
+
+TEST(PoseWithCovariance2, CompositionWithAPoseThatIsCertainTurnsOrLeversTheOther) {
+  PoseWithCovariance2 certain;
+  certain.pose = {0.0, 0.0, M_PI_2};
+  PoseWithCovariance2 uncertain;
+  uncertain.pose = {2.0, 0.0, 0.0};
+  uncertain.covariance.diagonal() << 0.04, 0.01, 0.25;
+  // Turned by a quarter: the variances along x and y change places.
+  const PoseWithCovariance2 turned = certain * uncertain;
+  EXPECT_NEAR(turned.covariance(0, 0), 0.01, kRoundingOnly);
+  EXPECT_NEAR(turned.covariance(1, 1), 0.04, kRoundingOnly);
+  EXPECT_NEAR(turned.covariance(2, 2), 0.25, kRoundingOnly);
+  // A lever of 2 m turns an uncertain yaw into a position across it: variance 0.01 + 2^2 0.25.
+  PoseWithCovariance2 ahead;
+  ahead.pose = {2.0, 0.0, 0.0};
+  uncertain.pose = {};
+  const PoseWithCovariance2 levered = uncertain * ahead;
+  EXPECT_NEAR(levered.covariance(0, 0), 0.04, kRoundingOnly);
+  EXPECT_NEAR(levered.covariance(1, 1), 1.01, kRoundingOnly);
+  EXPECT_NEAR(levered.covariance(1, 2), 0.5, kRoundingOnly);
 }
 
 }  // namespace

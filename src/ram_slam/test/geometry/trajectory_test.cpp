@@ -2,7 +2,10 @@
 #include "ram_slam/geometry/trajectory.hpp"
 
 #include <cmath>
+#include <deque>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +46,50 @@ TEST(OdometryAt, IsBetweenReadingsButNotWithinAJump) {
   EXPECT_EQ(odometryAt(readings, 2'060'000'000)->x_m, 5.0);
   EXPECT_FALSE(odometryAt(readings, 999'999'999));
   EXPECT_FALSE(odometryAt(readings, 2'100'000'001));
+}
+
+TEST(Trajectory, PosesAtAnyStampAreThoseOfASearchFromTheFront) {
+  Trajectory trajectory;
+  std::int64_t stamp_ns = 1000;
+  for (int i = 0; i < 40; ++i) {
+    stamp_ns += 7 + (i * i) % 23;
+    trajectory.push_back({stamp_ns, {0.1 * i, std::sin(0.3 * i), wrapAngle(0.2 * i)}});
+  }
+  for (std::int64_t at_ns = 990; at_ns < stamp_ns + 10; ++at_ns) {
+    std::optional<Pose2> expected;
+    for (std::size_t i = 0; i < trajectory.size(); ++i) {
+      if (trajectory[i].stamp_ns == at_ns) expected = trajectory[i].pose;
+      if (i == 0 || trajectory[i - 1].stamp_ns >= at_ns || trajectory[i].stamp_ns <= at_ns)
+        continue;
+      const double fraction =
+          static_cast<double>(at_ns - trajectory[i - 1].stamp_ns) /
+          static_cast<double>(trajectory[i].stamp_ns - trajectory[i - 1].stamp_ns);
+      expected =
+          trajectory[i - 1].pose *
+          exponential(fraction * logarithm(trajectory[i - 1].pose.inverse() * trajectory[i].pose));
+    }
+    const std::optional<Pose2> found = poseAt(trajectory, at_ns);
+    ASSERT_EQ(found.has_value(), expected.has_value()) << at_ns;
+    if (!found) continue;
+    EXPECT_LT(componentDifference(*found, *expected).norm(), 1e-9) << at_ns;
+  }
+}
+
+TEST(Trajectory, TheRefusalNamesTheStamp) {
+  try {
+    validate({{17, {}}, {42, {}}, {41, {}}});
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("at 41 ns"), std::string::npos) << error.what();
+  }
+}
+
+TEST(OdometryAt, ATurnThatNoRobotDrivesIsAJumpToo) {
+  const std::deque<StampedPose2> readings{{0, {0.0, 0.0, 0.0}}, {100'000'000, {0.0, 0.0, 1.0}}};
+  EXPECT_EQ(odometryAt(readings, 49'000'000)->yaw_rad, 0.0);
+  EXPECT_EQ(odometryAt(readings, 51'000'000)->yaw_rad, 1.0);
+  const std::deque<StampedPose2> slower{{0, {0.0, 0.0, 0.0}}, {250'000'000, {0.0, 0.0, 1.0}}};
+  EXPECT_NEAR(odometryAt(slower, 50'000'000)->yaw_rad, 0.2, 1e-12);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <system_error>
 
@@ -119,6 +120,43 @@ TEST(ExpandHome, ReplacesALeadingTildeByTheHomeFolder) {
   EXPECT_EQ(expandHome("~/maps"), std::string(home) + "/maps");
   for (const char* other : {"/maps", "maps", "", "~other/maps", "maps/~"})
     EXPECT_EQ(expandHome(other), other);
+}
+
+TEST_F(AtomicFile, WhatAKilledWriterLeftBehindIsNoObstacle) {
+  // Killed between the write and the rename: the temporary file is there, the old one is whole.
+  writeFileAtomically(path("file"), "old");
+  const std::string temporary = path("file.writing-" + std::to_string(::getpid()));
+  std::ofstream(temporary) << "half of the n";
+  EXPECT_EQ(readWholeFile(path("file"), 100), "old");
+  writeFileAtomically(path("file"), "new");
+  EXPECT_EQ(readWholeFile(path("file"), 100), "new");
+  EXPECT_EQ(fileCount(), 1);
+}
+
+TEST_F(AtomicFile, AReaderOfTheOldFileReadsItToTheEnd) {
+  writeFileAtomically(path("file"), std::string(100000, 'o'));
+  std::ifstream reader(path("file"));
+  std::string begin(10, ' ');
+  reader.read(begin.data(), 10);
+  writeFileAtomically(path("file"), std::string(100000, 'n'));
+  const std::string rest((std::istreambuf_iterator<char>(reader)),
+                         std::istreambuf_iterator<char>());
+  EXPECT_EQ(begin + rest, std::string(100000, 'o'));
+}
+
+TEST_F(AtomicFile, ALinkIsReplacedAndWhatItPointsToStays) {
+  writeFileAtomically(path("target"), "target");
+  std::filesystem::create_symlink(path("target"), path("link"));
+  writeFileAtomically(path("link"), "new");
+  EXPECT_FALSE(std::filesystem::is_symlink(path("link")));
+  EXPECT_EQ(readWholeFile(path("target"), 100), "target");
+}
+
+TEST_F(AtomicFile, AFileOfExactlyTheMostBytesIsRead) {
+  writeFileAtomically(path("file"), "12345");
+  EXPECT_EQ(readWholeFile(path("file"), 5), "12345");
+  EXPECT_THAT([&] { readWholeFile(path("file"), 4); },
+              ThrowsMessage<std::length_error>(HasSubstr("it has 5 bytes, at most 4 are taken")));
 }
 
 }  // namespace

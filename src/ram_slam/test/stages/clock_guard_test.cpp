@@ -31,5 +31,28 @@ TEST(ClockGuard, MoreThanOneSecondBackMeansThatTheClockWasSetBack) {
   EXPECT_EQ(clock.check(4 * kSecond), StampOrder::kLater);
 }
 
+TEST(ClockGuard, ItsFirstStampIsLaterThanNone) {
+  ClockGuard clock;
+  EXPECT_EQ(clock.newest_ns(), 0);
+  EXPECT_EQ(clock.check(0), StampOrder::kNotLater) << "0 means that there is no stamp";
+  EXPECT_EQ(clock.check(1), StampOrder::kLater);
+}
+
+TEST(ClockGuard, AClockThatIsSetBackTwiceIsFollowedTwice) {
+  ClockGuard clock;
+  clock.check(100 * kSecond);
+  EXPECT_EQ(clock.check(50 * kSecond), StampOrder::kSetBack);
+  EXPECT_EQ(clock.check(51 * kSecond), StampOrder::kLater);
+  EXPECT_EQ(clock.check(kSecond), StampOrder::kSetBack);
+  EXPECT_EQ(clock.check(kSecond), StampOrder::kNotLater);
+}
+
+TEST(ClockGuard, AJumpForwardIsTakenAsItComes) {
+  ClockGuard clock;
+  clock.check(kSecond);
+  EXPECT_EQ(clock.check(1'000'000 * kSecond), StampOrder::kLater);
+  EXPECT_EQ(clock.check(2 * kSecond), StampOrder::kSetBack);
+}
+
 }  // namespace
 }  // namespace ram_slam

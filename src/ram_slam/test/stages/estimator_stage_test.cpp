@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/stages/estimator_stage.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -144,6 +146,77 @@ TEST(EstimatorStageParameters, RefusesNegativeMotions) {
   EstimatorStageParameters parameters;
   parameters.minimum_distance_m = -0.1;
   EXPECT_THROW(parameters.validate(), std::invalid_argument);
+}
+
+TEST_F(EstimatorStageTest, ALongPauseIsEnoughForAReadingOfARobotAtRest) {
+  EstimatorStageParameters parameters;
+  parameters.minimum_distance_m = 1000.0;
+  parameters.minimum_angle_rad = 3.0;
+  parameters.longest_pause_s = 5.0;
+  reset(parameters);
+  EXPECT_TRUE(read(kSecond));
+  EXPECT_FALSE(read(5 * kSecond));
+  EXPECT_TRUE(read(6 * kSecond));
+  EXPECT_FALSE(read(7 * kSecond));
+}
+
+TEST_F(EstimatorStageTest, ANewerCorrectionReplacesTheOneThatWaits) {
+  read(kSecond);
+  stage_->addCorrection({{kSecond, {0.0, 1.0, 0.0}}, {9 * kSecond, {1.0, 1.0, 0.0}}});
+  stage_->addCorrection({{kSecond, {0.0, 5.0, 0.0}}});
+  const auto corrected = stage_->followCorrection();
+  ASSERT_TRUE(corrected);
+  EXPECT_EQ(corrected->size(), 1u);
+  EXPECT_DOUBLE_EQ(stage_->estimator().estimate().pose.y_m, 5.0);
+}
+
+TEST_F(EstimatorStageTest, AResetForgetsTheMapTheGapAndTheCorrection) {
+  read(kSecond);
+  model_.known_from_ns = 3 * kSecond;
+  EXPECT_FALSE(read(3 * kSecond));
+  stage_->addCorrection({{kSecond, {0.0, 1.0, 0.0}}});
+  stage_->reset();
+  EXPECT_FALSE(stage_->estimator().started());
+  EXPECT_FALSE(stage_->followCorrection());
+  EXPECT_EQ(stage_->resetCount(), 1);
+  EXPECT_TRUE(read(4 * kSecond));
+  EXPECT_DOUBLE_EQ(pose_.x_m, 0.0) << "the map begins where the robot is";
+}
+
+TEST_F(EstimatorStageTest, TheFirstReadingWaitsUntilTheMotionFromItOnIsKnown) {
+  model_.known_from_ns = 2 * kSecond;
+  EXPECT_FALSE(read(kSecond));
+  EXPECT_FALSE(stage_->estimator().started());
+  EXPECT_TRUE(read(2 * kSecond));
+  ASSERT_EQ(stage_->drops().total(), 1u);
+  EXPECT_EQ(stage_->drops().newest().detail, "not buffered");
+}
+
+TEST_F(EstimatorStageTest, AGapWithoutAnyOtherSourceCountsAsStandingStill) {
+  read(kSecond);
+  model_.known_from_ns = 3 * kSecond;
+  EXPECT_FALSE(read(3 * kSecond));
+  EXPECT_TRUE(read(4 * kSecond));
+  EXPECT_DOUBLE_EQ(pose_.x_m, 1.0);                              // of the last second only
+  const double drift_m = 2.0 * GapBridgeParameters{}.drift_mps;  // of two seconds, on each axis
+  EXPECT_NEAR(stage_->estimator().estimate().covariance(0, 0),
+              std::pow(std::min(drift_m, GapBridgeParameters{}.maximum_drift_m), 2), 1e-9);
+}
+
+TEST_F(EstimatorStageTest, AReadingAfterAGapIsTakenInHoweverLittleTheRobotMoved) {
+  EstimatorStageParameters parameters;
+  parameters.minimum_distance_m = 1000.0;
+  parameters.minimum_angle_rad = 3.0;
+  parameters.longest_pause_s = 1000.0;
+  reset(parameters);
+  read(kSecond);
+  EXPECT_FALSE(read(2 * kSecond));
+  model_.known_from_ns = 3 * kSecond;
+  EXPECT_FALSE(stage_->motionUntil(3 * kSecond));
+  stage_->bridgeGap(3 * kSecond);
+  EXPECT_TRUE(read(4 * kSecond));
+  model_.known_from_ns = 0;
+  EXPECT_FALSE(read(5 * kSecond)) << "the gap is over";
 }
 
 }  // namespace

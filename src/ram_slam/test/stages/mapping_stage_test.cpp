@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/stages/mapping_stage.hpp"
 
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <tuple>
+
 #include <gmock/gmock.h>
 
 namespace ram_slam {
@@ -65,6 +70,74 @@ TEST(MappingStage, AfterAResetAnyStampIsNew) {
   stage.add(scanAt(kSecond), {}, {});
   EXPECT_EQ(stage.scanCount(), 1u);
   EXPECT_EQ(stage.drops().total(), 0u);
+}
+
+TEST(MappingStage, ACorrectedMapEqualsTheOneDrawnThereAtOnce) {
+  const Pose2 wrong{0.4, 0.0, 0.1};
+  const Pose2 right{0.5, -0.2, 0.3};
+  MappingStage corrected{OccupancyMapperParameters{}};
+  corrected.add(scanAt(kSecond), {}, {});
+  corrected.add(scanAt(2 * kSecond), wrong, {});
+  corrected.draw();
+  EXPECT_EQ(corrected.correct({{kSecond, {}}, {2 * kSecond, right}}), 1);
+  corrected.draw();
+  MappingStage direct{OccupancyMapperParameters{}};
+  direct.add(scanAt(kSecond), {}, {});
+  direct.add(scanAt(2 * kSecond), right, {});
+  direct.draw();
+  const OccupancyGrid& a = corrected.mapper().grid();
+  const OccupancyGrid& b = direct.mapper().grid();
+  const auto knownCells = [](const OccupancyGrid& grid) {
+    std::set<std::tuple<int, int, int>> cells;  // by place, since the grids may differ in size
+    for (int y = 0; y < grid.height; ++y) {
+      for (int x = 0; x < grid.width; ++x) {
+        if (grid.at(x, y) == kUnknownCell) continue;
+        cells.insert({x + static_cast<int>(std::lround(grid.map_from_grid.x_m / grid.resolution_m)),
+                      y + static_cast<int>(std::lround(grid.map_from_grid.y_m / grid.resolution_m)),
+                      grid.at(x, y)});
+      }
+    }
+    return cells;
+  };
+  EXPECT_GT(knownCells(b).size(), 1000u);
+  EXPECT_EQ(knownCells(a), knownCells(b));
+}
+
+TEST(MappingStage, LeavesOutScansOfARobotThatHardlyMoved) {
+  OccupancyMapperParameters parameters;
+  MappingStage stage{parameters};
+  stage.add(scanAt(kSecond), {}, {});
+  stage.add(scanAt(2 * kSecond), {0.5 * parameters.key_distance_m, 0.0, 0.0}, {});
+  EXPECT_EQ(stage.scanCount(), 1u);
+  stage.add(scanAt(3 * kSecond), {1.5 * parameters.key_distance_m, 0.0, 0.0}, {});
+  EXPECT_EQ(stage.scanCount(), 2u);
+  stage.add(scanAt(4 * kSecond),
+            {1.5 * parameters.key_distance_m, 0.0, 1.5 * parameters.key_angle_rad}, {});
+  EXPECT_EQ(stage.scanCount(), 3u);
+  EXPECT_EQ(stage.drops().total(), 0u) << "nothing is wrong with them";
+}
+
+TEST(MappingStage, APoseThatIsNotFiniteDropsTheScanAndNothingElse) {
+  MappingStage stage{OccupancyMapperParameters{}};
+  stage.add(scanAt(kSecond), {std::nan(""), 0.0, 0.0}, {});
+  stage.add(scanAt(2 * kSecond), {}, {0.0, std::nan(""), 0.0});
+  EXPECT_EQ(stage.scanCount(), 0u);
+  ASSERT_EQ(stage.drops().total(), 2u);
+  EXPECT_EQ(stage.drops().newest().detail, "pose not finite");
+  stage.add(scanAt(3 * kSecond), {}, {});
+  EXPECT_EQ(stage.scanCount(), 1u);
+}
+
+TEST(MappingStage, RefusesATrajectoryWhoseStampsDoNotRise) {
+  MappingStage stage{OccupancyMapperParameters{}};
+  stage.add(scanAt(kSecond), {}, {});
+  EXPECT_THROW(stage.correct({{kSecond, {}}, {kSecond, {}}}), std::invalid_argument);
+}
+
+TEST(MappingStage, RefusesParametersOutOfTheirBounds) {
+  OccupancyMapperParameters parameters;
+  parameters.key_distance_m = -0.1;
+  EXPECT_THROW(MappingStage{parameters}, std::invalid_argument);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -152,6 +155,59 @@ TEST(OdometryStage, GivesThePosesOfTheWheelsWhereScansAreFarApart) {
                          static_cast<double>(30 * kPeriodNs);
     EXPECT_NEAR(pose.pose.x_m, share * second->estimate.odom_from_base.pose.x_m, 1e-6);
   }
+}
+
+TEST(OdometryStage, AtTheEndScansThatWaitArePassedOn) {
+  OdometryStage stage{LaserOdometryParameters{}};
+  stage.addWheels(wheelsAt(0));
+  for (std::int64_t i = 0; i < 3; ++i) stage.add(scanAt(i));
+  EXPECT_TRUE(stage.next());
+  EXPECT_FALSE(stage.next());
+  stage.finish();
+  EXPECT_TRUE(stage.next());
+  EXPECT_TRUE(stage.next());
+  EXPECT_FALSE(stage.next());
+}
+
+TEST(OdometryStage, CountsScansThatWereAlignedWithoutTheWheels) {
+  OdometryStage stage{LaserOdometryParameters{}};
+  for (std::int64_t i = 0; i < 5; ++i) stage.add(scanAt(i));
+  for (std::int64_t i = 2; i < 5; ++i) stage.addWheels(wheelsAt(i));
+  std::optional<OdometryStep> last;
+  int count = 0;
+  while (auto step = stage.next()) {
+    last = std::move(step);
+    ++count;
+  }
+  EXPECT_EQ(count, 5);
+  EXPECT_EQ(stage.withoutWheelsCount(), 2u);
+  EXPECT_NEAR(last->estimate.odom_from_base.pose.x_m, 4 * kStepM, 0.01);
+}
+
+TEST(OdometryStage, RefusesWheelsThatAreOutOfOrderOrNotFinite) {
+  OdometryStage stage{LaserOdometryParameters{}};
+  EXPECT_TRUE(stage.addWheels(wheelsAt(3)));
+  EXPECT_FALSE(stage.addWheels(wheelsAt(3)));
+  EXPECT_FALSE(stage.addWheels(wheelsAt(2)));
+  StampedPose2 unusable = wheelsAt(4);
+  unusable.pose.yaw_rad = std::nan("");
+  EXPECT_FALSE(stage.addWheels(unusable));
+  EXPECT_TRUE(stage.addWheels(wheelsAt(4)));
+  const std::vector<Drops> all = stage.drops().all();
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].count, 2u);
+  EXPECT_EQ(all[0].detail, "odometry");
+  EXPECT_EQ(all[1].reason, DropReason::kInvalidOdometry);
+}
+
+TEST(OdometryStage, UnrefinedScansWithoutWheelsStandAtTheOrigin) {
+  OdometryStage stage(LaserOdometryParameters{}, false);
+  stage.add(scanAt(3));
+  stage.finish();
+  const auto step = stage.next();
+  ASSERT_TRUE(step);
+  EXPECT_EQ(step->estimate.odom_from_base.pose.x_m, 0.0);
+  EXPECT_EQ(step->estimate.stamp_ns, scanAt(3).scan.stamp_ns);
 }
 
 }  // namespace

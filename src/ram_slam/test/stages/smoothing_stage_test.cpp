@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/stages/smoothing_stage.hpp"
 
+#include <stdexcept>
+
 #include <gmock/gmock.h>
 
 #include "room.hpp"
@@ -59,6 +61,58 @@ TEST(SmoothingStage, BeginsAgainWhenTheClockIsSetBack) {
   }
   EXPECT_EQ(stage.resetCount(), 1);
   EXPECT_EQ(stage.smoother().keyScans().size(), 1u);
+}
+
+TEST(SmoothingStage, DropsUnusableScansAndTakesTheNextOnes) {
+  SmoothingStage stage(MapSmootherParameters{}, {});
+  MountedScan empty = scanAt(0);
+  empty.scan.ranges_m.clear();
+  stage.add(empty);
+  stage.addOdometry(odometryAt(0));
+  EXPECT_FALSE(stage.next());
+  ASSERT_EQ(stage.drops().total(), 1u);
+  EXPECT_EQ(stage.drops().newest().reason, DropReason::kInvalidScan);
+  stage.add(scanAt(1));
+  stage.addOdometry(odometryAt(1));
+  EXPECT_TRUE(stage.next());
+  EXPECT_EQ(stage.smoother().keyScans().size(), 1u);
+}
+
+TEST(SmoothingStage, KeepsTheMotionOfTheOdometryWhileThereIsNoClosure) {
+  SmoothingStage stage(MapSmootherParameters{}, {});
+  for (std::int64_t i = 0; i < 12; ++i) {
+    stage.add(scanAt(i));
+    stage.addOdometry(odometryAt(i));
+    ASSERT_TRUE(stage.next());
+  }
+  const Trajectory smoothed = stage.optimize();
+  ASSERT_EQ(smoothed.size(), 12u);
+  for (std::int64_t i = 1; i < 12; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    EXPECT_EQ(smoothed[at].stamp_ns, odometryAt(i).stamp_ns);
+    const Pose2 step = smoothed[at - 1].pose.inverse() * smoothed[at].pose;
+    EXPECT_NEAR(step.x_m, kStepM, 0.01);
+    EXPECT_NEAR(step.yaw_rad, 0.0, 0.01);
+  }
+}
+
+TEST(SmoothingStage, InterpolatesTheOdometryAtTheStampOfTheScan) {
+  SmoothingStage stage(MapSmootherParameters{}, {});
+  stage.addOdometry(odometryAt(0));
+  stage.addOdometry(odometryAt(4));
+  for (std::int64_t i = 0; i <= 4; ++i) {
+    stage.add(scanAt(i));
+    ASSERT_TRUE(stage.next()) << i;
+  }
+  EXPECT_NEAR(
+      stage.optimize().back().pose.x_m - stage.smoother().keyScans().front().map_from_laser.x_m,
+      4 * kStepM, 0.01);
+}
+
+TEST(SmoothingStage, RefusesParametersOutOfTheirBounds) {
+  MapSmootherParameters parameters;
+  parameters.optimize_period_s = -1.0;
+  EXPECT_THROW(SmoothingStage(parameters, {}), std::invalid_argument);
 }
 
 }  // namespace
