@@ -198,5 +198,76 @@ TEST(RobotDescription, ReadsOrRefusesDamagedTextButNeverFailsOtherwise) {
   EXPECT_GT(refused, 20);
 }
 
+TEST(CombinedMass, IsTheSameInEveryOrderAndOfNothingIsNothing) {
+  MassProperties a;
+  a.mass_kg = 2.0;
+  a.center_in_base_m = {1.0, 0.0, 0.0};
+  a.inertia_kgm2 = Eigen::Vector3d(0.1, 0.2, 0.3).asDiagonal();
+  MassProperties b;
+  b.mass_kg = 6.0;
+  b.center_in_base_m = {-1.0, 0.0, 0.0};
+  const MassProperties ab = combined(a, b);
+  const MassProperties ba = combined(b, a);
+  EXPECT_EQ(ab.mass_kg, 8.0);
+  EXPECT_NEAR(ab.center_in_base_m.x(), -0.5, 1e-12);
+  // Two points 2 m apart: the reduced mass 2 * 6 / 8 by the square of the distance.
+  EXPECT_NEAR(ab.inertia_kgm2(2, 2), 0.3 + 1.5 * 4.0, 1e-12);
+  EXPECT_NEAR(ab.inertia_kgm2(0, 0), 0.1, 1e-12);
+  EXPECT_TRUE(ab.inertia_kgm2.isApprox(ba.inertia_kgm2, 1e-12));
+  EXPECT_EQ(combined(MassProperties{}, MassProperties{}).mass_kg, 0.0);
+}
+
+TEST(RobotDescription, WholeRobotWeighsTheSumOfItsParts) {
+  const RobotDescription robot = testing::shippedRobot();
+  double mass_kg = robot.chassis.mass_kg;
+  for (const Wheel& wheel : robot.wheels) mass_kg += wheel.mass.mass_kg;
+  EXPECT_NEAR(combined(robot).mass_kg, mass_kg, 1e-12);
+  EXPECT_NEAR(combined(robot).center_in_base_m.y(), 0.0, 1e-12) << "it is symmetric";
+}
+
+TEST(RobotDescription, ReadsTheShippedCarWithItsSteeredWheelsLast) {
+  const RobotDescription car = readRobot(std::string(CONFIG_FOLDER) + "/robots/car.urdf");
+  EXPECT_EQ(car.kind, BaseKind::kAckermann);
+  ASSERT_EQ(car.wheels.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(car.wheels[i].steering.has_value(), i >= 2) << i;
+    EXPECT_FALSE(car.wheels[i].omni);
+  }
+  EXPECT_GT(car.wheels[0].center_in_base_m.y(), car.wheels[1].center_in_base_m.y());
+  EXPECT_GT(car.wheels[2].center_in_base_m.y(), car.wheels[3].center_in_base_m.y());
+  EXPECT_GT(car.wheels[2].steering->max_angle_rad, 0.0);
+}
+
+TEST(RobotDescription, ReadsTheShippedOmnidirectionalRobot) {
+  const RobotDescription robot = readRobot(std::string(CONFIG_FOLDER) + "/robots/omni.urdf");
+  EXPECT_EQ(robot.kind, BaseKind::kOmnidirectional);
+  EXPECT_GE(robot.wheels.size(), 3u);
+  for (const Wheel& wheel : robot.wheels) {
+    EXPECT_TRUE(wheel.omni);
+    EXPECT_NEAR(wheel.axle_in_base.norm(), 1.0, 1e-12);
+    EXPECT_EQ(wheel.axle_in_base.z(), 0.0);
+  }
+}
+
+TEST(RobotDescription, AFileThatDoesNotExistIsNamed) {
+  try {
+    readRobot("/nowhere/robot.urdf");
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "/nowhere/robot.urdf: cannot be opened");
+  }
+}
+
+TEST(RobotDescription, LimitsOfItsSizeAreThoseThatAreGiven) {
+  RobotLimits limits;
+  limits.max_mass_kg = 19.0;
+  EXPECT_THROW(parseRobot(shippedUrdf(), "laser", limits), std::invalid_argument);
+  limits = {};
+  limits.max_size_m = 0.5;  // the chassis is 0.6 m long
+  EXPECT_THROW(parseRobot(shippedUrdf(), "laser", limits), std::invalid_argument);
+  limits.max_size_m = 0.7;
+  EXPECT_NO_THROW(parseRobot(shippedUrdf(), "laser", limits));
+}
+
 }  // namespace
 }  // namespace ramscout_sim

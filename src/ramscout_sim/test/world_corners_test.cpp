@@ -2,6 +2,7 @@
 #include "ramscout_sim/world_corners.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <yaml-cpp/yaml.h>
@@ -103,6 +104,65 @@ TEST(WorldCorners, AreWrittenAsYaml) {
   ASSERT_EQ(list.size(), 4u);
   EXPECT_NEAR(list[3]["x"].as<double>(), 8.0, 2e-4);
   EXPECT_NEAR(list[3]["opening_rad"].as<double>(), M_PI_2, 1e-6);
+}
+
+TEST(WorldCorners, OpeningsOfARoomAddUpToThoseOfAPolygon) {
+  // A room with a step in a wall: six inner corners; the angles of a hexagon add up to 4 pi.
+  World world = makeRoom(8.0, 5.0);
+  Solid step;
+  step.size_m = {2.0, 1.5, 2.5};
+  step.world_from_solid = Eigen::Translation3d(7.0, 4.25, 1.25);
+  world.solids.push_back(step);
+  world.start = {1.0, 1.0, 0.0};
+  const std::vector<WorldCorner> corners = cornersOf(world);
+  ASSERT_EQ(corners.size(), 6u);
+  double sum_rad = 0.0;
+  double walls_m = 0.0;
+  for (const WorldCorner& corner : corners) {
+    sum_rad += corner.opening_rad;
+    walls_m += corner.left_wall_m + corner.right_wall_m;
+  }
+  EXPECT_NEAR(sum_rad, 4.0 * M_PI, 1e-6);
+  EXPECT_NEAR(walls_m, 2.0 * 2.0 * (8.0 + 5.0), 1e-2) << "each wall is seen from both of its ends";
+}
+
+TEST(WorldCorners, ThatTheRobotCannotReachDoNotCount) {
+  World world = makeRoom(8.0, 5.0);
+  world.solids.push_back(makeWall({3.0, -0.1}, {3.0, 5.1}, 0.2, 2.5));  // shuts off the left part
+  world.start = {6.0, 2.5, 0.0};
+  const std::vector<WorldCorner> corners = cornersOf(world);
+  EXPECT_EQ(corners.size(), 4u);
+  for (const WorldCorner& corner : corners) EXPECT_GT(corner.position_m.x(), 3.0);
+}
+
+TEST(WorldCorners, OfSolidsThatTheLidarDoesNotSeeDoNotCount) {
+  World world = makeRoom(8.0, 5.0);
+  Solid glass;
+  glass.size_m = {1.0, 1.0, 2.5};
+  glass.world_from_solid = Eigen::Translation3d(2.0, 2.5, 1.25);
+  world.start = {6.0, 2.5, 0.0};
+  world.solids.push_back(glass);
+  EXPECT_EQ(cornersOf(world).size(), 8u);
+  world.solids.back().seen = false;
+  EXPECT_EQ(cornersOf(world).size(), 4u);
+}
+
+TEST(WorldCorners, ParametersOutOfTheirBoundsAreRefused) {
+  CornerParameters parameters;
+  parameters.circle_sides = 2;
+  EXPECT_THROW(cornersOf(makeRoom(8.0, 5.0), parameters), std::invalid_argument);
+  parameters = {};
+  parameters.resolution_m = 0.0;
+  EXPECT_THROW(cornersOf(makeRoom(8.0, 5.0), parameters), std::invalid_argument);
+}
+
+TEST(WorldCorners, AFileThatCannotBeWrittenIsNamed) {
+  try {
+    writeCorners({}, "/nowhere/corners.yaml");
+    FAIL() << "accepted";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "/nowhere/corners.yaml: cannot be written");
+  }
 }
 
 }  // namespace
