@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""check_structure.py: who may include whom, how long files and functions may be, and which sources have tests.
+"""check_structure.py: who may include whom, how long files and functions may be, and which tests there must be.
 
 Cores know no ROS; the simulator knows no SLAM code; a lower folder of ram_slam does not include a higher one. Every source of
 a core has a test file of its name, or a comment in the package's CMakeLists.txt names it.
@@ -14,6 +14,7 @@ ROOT = Path(__file__).resolve().parent.parent
 MOST_LINES = 400
 MOST_FUNCTION_LINES = 60
 MOST_FUNCTION_LINES_P95 = 30
+LEAST_TEST_SHARE = 0.7  # lines of tests for each line of sources
 MOST_CONSTANTS = 150  # in sources; what tunes behaviour is a parameter
 CONSTANT = re.compile(r"^\s*(?:static |inline )*(?:constexpr|const) [\w:<>, ]+ k[A-Z]\w*(?:\[\w*\])? ?[={]", re.M)
 ROS = re.compile(r'#include [<"](ros/|rosbag/|tf2|pluginlib/|\w+_msgs/|std_srvs/)')
@@ -105,6 +106,16 @@ def untested_findings(name):
         yield "%s: no test/%s_test.cpp, and no comment in %s/CMakeLists.txt states why" % (name, own[2], own[1])
 
 
+def test_share_findings(files):
+    """Benchmarks and fuzzers are neither sources nor tests."""
+    def lines_of(pattern):
+        return sum(len((ROOT / name).read_text().splitlines()) for name in files if re.fullmatch(pattern, name))
+    sources = lines_of(r"src/\w+/(include|src|ros|apps)/.*\.(hpp|cpp|py)")
+    tests = lines_of(r"(src/\w+/)?test/.*\.(hpp|cpp|py)")
+    if tests < LEAST_TEST_SHARE * sources:
+        yield "%d lines of tests for %d lines of sources, wanted %.1f for each" % (tests, sources, LEAST_TEST_SHARE)
+
+
 def main():
     files = subprocess.run(["git", "ls-files", "*.hpp", "*.cpp", "*.py", "*/CMakeLists.txt", "*/package.xml"], cwd=ROOT,
                            check=True, capture_output=True, text=True).stdout.split()
@@ -114,6 +125,7 @@ def main():
     constants = sum(len(CONSTANT.findall((ROOT / name).read_text())) for name in code if name.endswith(".cpp"))
     if constants > MOST_CONSTANTS:
         findings.append("%d constants in sources, at most %d" % (constants, MOST_CONSTANTS))
+    findings += test_share_findings(files)
     for name in files:
         findings += boundary_findings(name)
         findings += untested_findings(name)
