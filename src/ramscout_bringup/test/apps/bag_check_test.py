@@ -68,6 +68,34 @@ class BagCheckTest(ProgramTest):
             self.assertTrue(finished.stderr.startswith("bag_check: "), finished.stderr)
             self.assertIn(name, finished.stderr)
 
+    def test_a_mount_and_a_field_of_view_are_taken_as_given(self):
+        report = self.review(LINES[:5], "--mount", "0.3,-0.1,0.5", "--fov", "90")
+        self.assertIn("laser on the base: x 0.3 m, y -0.1 m, yaw 0.5 rad", report)
+        self.assertNotIn("assumed", report)
+
+    def test_a_clock_that_was_set_back_needs_the_choice_of_a_drive(self):
+        log = self.write("two.clf", "".join(LINES[30:60] + LINES[:20]))
+        finished = self.run_program("bag_check", log)
+        self.assertEqual(finished.returncode, 1)
+        self.assertIn("read one of them with --part 1 to 2", finished.stderr)
+        for part, count in ((1, 30), (2, 20)):
+            finished = self.run_program("bag_check", log, "--part", part)
+            self.assertEqual(finished.returncode, 0, finished.stderr)
+            self.assertIn("%d usable scans" % count, finished.stdout)
+
+    def test_a_start_behind_the_end_of_the_drive_fails(self):
+        finished = self.run_program("bag_check", self.write("drive.clf", "".join(LINES)), "--start", "1000")
+        self.assertEqual(finished.returncode, 1)
+        self.assertIn("no scan between --start and --start + --duration", finished.stderr)
+
+    def test_options_out_of_range_are_refused_by_their_name(self):
+        log = self.write("drive.clf", "".join(LINES[:3]))
+        for option, value in (("--fov", "0.5"), ("--start", "-1"), ("--duration", "0"), ("--max-rate", "0"),
+                              ("--mount", "1,2"), ("--sweep-direction", "sideways")):
+            finished = self.run_program("bag_check", log, option, value)
+            self.assertNotEqual(finished.returncode, 0, option)
+            self.assertIn(option, finished.stderr)
+
     def test_a_bag_has_what_its_log_has(self):
         bag = self.run_program("bag_check", self.to_bag())
         self.assertEqual(bag.returncode, 0, bag.stderr)
