@@ -141,7 +141,8 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message) {
   scan.ranges_m = message.ranges;
   const bool has_limit = hasRangeLimit(message);
   scan.range_max_m = has_limit ? message.range_max : ram_slam::LaserScan::kUnlimitedRangeM;
-  scan.range_min_m = std::max(message.range_min, kLeastRangeM);
+  const bool is_tiny = message.range_min >= 0.0F && message.range_min < kLeastRangeM;
+  scan.range_min_m = is_tiny ? kLeastRangeM : message.range_min;
   // Several drivers (LMS1xx, Stage, Gazebo) put the limit where nothing came back.
   for (float& range_m : scan.ranges_m)
     if (has_limit && range_m >= kLimitShare * message.range_max) range_m = kNothing;

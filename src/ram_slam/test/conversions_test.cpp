@@ -163,6 +163,8 @@ TEST(Conversions, ScanThatIsOfNoUseIsRefused) {
   bad = good;
   bad.range_min = 20.0F;
   EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
+  bad.range_min = -1.0F;
+  EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
   bad = good;
   bad.ranges.resize(1000000);
   EXPECT_THROW(toLaserScan(bad), std::invalid_argument);

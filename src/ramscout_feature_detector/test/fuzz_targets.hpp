@@ -40,9 +40,9 @@ inline float roomRange_m(double bearing_rad) {
 }
 
 /// The first byte chooses among scans of a room and scans of any geometry and limits, given by four
-/// floats. Then one byte for each range, at most `max_beams`: what a lidar sees is mostly smooth,
-/// so that the bytes are steps of the distance from the room's walls; the highest ones are values
-/// without meaning.
+/// floats. Then one byte for each range, at most `max_beams` and in a room at most a turn: what a
+/// lidar sees is mostly smooth, so that the bytes are steps of the distance from the room's walls;
+/// the highest ones are values without meaning.
 inline ram_slam::LaserScan scanOfBytes(const std::uint8_t* data,
                                        std::size_t size,
                                        std::size_t max_beams) {
@@ -59,6 +59,8 @@ inline ram_slam::LaserScan scanOfBytes(const std::uint8_t* data,
   Geometry geometry{};
   if (kind < 3) {
     geometry = kRooms[kind];
+    const double turn = 2.0 * M_PI / std::abs(static_cast<double>(geometry.angle_increment_rad));
+    max_beams = std::min(max_beams, static_cast<std::size_t>(turn));
   } else {
     std::memcpy(&geometry, data + 1, std::min(size - 1, sizeof(geometry)));
     next += sizeof(geometry);
