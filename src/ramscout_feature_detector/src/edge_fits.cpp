@@ -20,7 +20,7 @@ bool isCertain(const Edge& edge, const EdgeDetectorParameters& parameters) {
 
 /// The run of a surface up to its end and the noise across it.
 struct EndLine {
-  bool first;  ///< end, else the last
+  bool first = true;  ///< end, else the last
   LineFit line;
   double noise_m2 = 0.0;
   bool is_straight = false;

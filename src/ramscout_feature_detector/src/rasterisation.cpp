@@ -88,7 +88,7 @@ Edge makeEdge(const Eigen::Vector2f& a,
   };
   const int reach_x = reach(beam.x(), beam.y());
   const int reach_y = reach(beam.y(), beam.x());
-  Edge edge;
+  Edge edge;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below, where it is used
   edge.first_column = std::max(0, pixelOf(std::min(a.x(), b.x())) - reach_x);
   edge.last_column = std::min(kPatchColumns - 1, pixelOf(std::max(a.x(), b.x())) + reach_x);
   edge.first_row = std::max(0, pixelOf(std::min(a.y(), b.y())) - reach_y);

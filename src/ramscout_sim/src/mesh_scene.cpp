@@ -65,7 +65,7 @@ template <typename Packet>
 void refine(const std::vector<Solid>& meshes, int count, Packet& packet) {
   constexpr std::size_t packet_size = kWidthOf<Packet>;
   const auto& [ray, hit] = packet;
-  std::array<int, packet_size> grazing;
+  std::array<int, packet_size> grazing{};
   for (std::size_t i = 0; i < packet_size; ++i) {
     const float across =
         hit.Ng_x[i] * ray.dir_x[i] + hit.Ng_y[i] * ray.dir_y[i] + hit.Ng_z[i] * ray.dir_z[i];
@@ -176,7 +176,7 @@ template <typename Packet, typename Distance, typename Use>
 void MeshScene::eachPacketOf(const Rays& rays, const Distance& limit_m, const Use& use) const {
   constexpr int width = kWidthOf<Packet>;
   const Eigen::Index count = rays.origins_m.rows();
-  RTCIntersectContext context;
+  RTCIntersectContext context = {};
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   Packet packet = {};

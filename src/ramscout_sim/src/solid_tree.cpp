@@ -188,7 +188,7 @@ RAMSCOUT_SIM_INLINE void traverse(const Tree& tree, const Wedge& wedge, Packet<k
 template <int kRays>
 RAMSCOUT_SIM_INLINE void castEach(const Tree& tree, Packet<kRays>& packet) {
   for (int i = 0; i < kRays; ++i) {
-    Packet<16> copies;
+    Packet<16> copies;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled next
     for (int k = 0; k < 16; ++k) {
       copies.origin_x[k] = packet.origin_x[i];
       copies.origin_y[k] = packet.origin_y[i];
@@ -198,7 +198,7 @@ RAMSCOUT_SIM_INLINE void castEach(const Tree& tree, Packet<kRays>& packet) {
       copies.direction_z[k] = packet.direction_z[i];
     }
     reset(tree.farthest_m, copies);
-    Wedge wedge;
+    Wedge wedge;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled next
     if (!enclose(copies, 0, 0, wedge)) wedge = column(copies);
     traverse(tree, wedge, copies);
     packet.distance[i] = copies.distance[0];
@@ -212,9 +212,9 @@ RAMSCOUT_SIM_INLINE void castPacket(const Tree& tree,
                                     Eigen::Index first,
                                     Count count,
                                     SolidTree::Result& result) {
-  Packet<kRays> packet;
+  Packet<kRays> packet;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled next
   load(rays, first, count, tree.farthest_m, packet);
-  Wedge wedge;
+  Wedge wedge;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled next
   if (enclose(packet, 0, kRays - 1, wedge) || encloseInAnyOrder(packet, wedge))
     traverse(tree, wedge, packet);
   else

@@ -252,7 +252,8 @@ std::vector<std::size_t> LoopCloser::alikePlaces(const std::vector<KeyScan>& key
   }
   std::sort(ranked.begin(), ranked.end());
   std::vector<std::size_t> places;
-  for (const auto& [score, place] : ranked) {
+  for (const auto& candidate : ranked) {
+    const std::size_t place = candidate.second;
     if (places.size() == static_cast<std::size_t>(parameters_.verified_candidates)) break;
     const bool is_other = std::all_of(places.begin(), places.end(), [&](std::size_t other) {
       return std::abs(key_scans[place].path_m - key_scans[other].path_m) >=

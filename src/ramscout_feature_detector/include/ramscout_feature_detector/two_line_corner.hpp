@@ -26,9 +26,9 @@ struct TwoLineCorner {
 
 /// A straight run of points of a contour.
 struct Leg {
-  bool before;  ///< the corner, else after it
-  std::size_t first;
-  std::size_t last;
+  bool before = false;  ///< the corner, else after it
+  std::size_t first = 0;
+  std::size_t last = 0;
   LineFit line;
 };
 
