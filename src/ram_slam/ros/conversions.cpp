@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -17,7 +16,6 @@ constexpr double kLongestSweepS = 1.0;      // a longer one is no sweep but nons
 constexpr float kLeastRangeM = 0.001F;      // drivers that count millimetres put 0 for "no reading"
 constexpr float kFarthestRangeM = 1000.0F;  // no lidar on a robot: the driver names no limit
 constexpr float kLimitShare = 1.0F - 1e-4F;  // range_max, as far as floats and millimetres resolve
-constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr double kSymmetryTolerance = 1e-6;
 constexpr int kPlanar[] = {0, 1, 5};                 // x, y and yaw among x, y, z, roll, pitch, yaw
 constexpr std::int64_t kMaxDelayNs = 1'000'000'000;  // of a feature after its list
@@ -144,8 +142,7 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message) {
   const bool is_tiny = message.range_min >= 0.0F && message.range_min < kLeastRangeM;
   scan.range_min_m = is_tiny ? kLeastRangeM : message.range_min;
   // Several drivers (LMS1xx, Stage, Gazebo) put the limit where nothing came back.
-  for (float& range_m : scan.ranges_m)
-    if (has_limit && range_m >= kLimitShare * message.range_max) range_m = kNothing;
+  if (has_limit) ram_slam::markNoReturns(kLimitShare * message.range_max, scan.ranges_m);
   scan.validate();
   return scan;
 }

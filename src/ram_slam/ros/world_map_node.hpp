@@ -34,8 +34,8 @@ struct WorldMapNodeParameters {
 WorldMapNodeParameters readWorldMapNodeParameters(ram_parameters::ParameterReader& reader);
 
 /// Keeps `map`, `local_occupancy`, `landmarks`, `colored_cloud` and `trajectory` as they come;
-/// answers ~get_region, ~save_map and ~load_map. Files are written and read while messages are
-/// handled being taken.
+/// answers ~get_region, ~save_map and ~load_map. Messages are handled while
+/// files are written and read.
 class WorldMapNode {
 public:
   /// \throws std::invalid_argument if a parameter is refused

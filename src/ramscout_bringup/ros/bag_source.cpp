@@ -6,7 +6,6 @@
 #include <ram_slam/ros/conversions.hpp>
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
-#include <sensor_msgs/MultiEchoLaserScan.h>
 
 #include "message_decoder.hpp"
 

@@ -4,7 +4,6 @@
 #include "message_decoder.hpp"
 
 #include <limits>
-#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -12,7 +11,6 @@
 #include <fastcdr/FastBuffer.h>
 #include <fastcdr/exceptions/Exception.h>
 #include <ros/serialization.h>
-#include <sensor_msgs/MultiEchoLaserScan.h>
 
 namespace ramscout_bringup_ros {
 namespace {
@@ -105,6 +103,23 @@ Message decodeAs(const std::string& encoding, const std::uint8_t* bytes, std::si
 
 }  // namespace
 
+sensor_msgs::LaserScan firstEchoes(const sensor_msgs::MultiEchoLaserScan& message) {
+  sensor_msgs::LaserScan scan;
+  scan.header = message.header;
+  scan.angle_min = message.angle_min;
+  scan.angle_max = message.angle_max;
+  scan.angle_increment = message.angle_increment;
+  scan.time_increment = message.time_increment;
+  scan.scan_time = message.scan_time;
+  scan.range_min = message.range_min;
+  scan.range_max = message.range_max;
+  for (const sensor_msgs::LaserEcho& beam : message.ranges) {
+    scan.ranges.push_back(beam.echoes.empty() ? std::numeric_limits<float>::infinity()
+                                              : beam.echoes.front());
+  }
+  return scan;
+}
+
 std::string ros1TypeName(const std::string& type) {
   const std::size_t at = type.find("/msg/");
   const std::string name =
@@ -112,15 +127,12 @@ std::string ros1TypeName(const std::string& type) {
   return name == "tf/tfMessage" ? kTransforms : name;
 }
 
-bool isDecodable(const std::string& ros1_type, const std::string& encoding) {
-  static const std::set<std::string> types{kScan, kEchoes, kOdometry, kTransforms};
-  return types.count(ros1_type) > 0 && (encoding == "cdr" || encoding == "ros1");
-}
-
 MessageContent decode(const std::string& ros1_type,
                       const std::string& encoding,
                       const std::uint8_t* bytes,
                       std::size_t size) {
+  if (encoding != "cdr" && encoding != "ros1")
+    throw std::runtime_error("messages in the encoding '" + encoding + "' are not read");
   try {
     if (ros1_type == kScan) return decodeAs<sensor_msgs::LaserScan>(encoding, bytes, size);
     if (ros1_type == kEchoes)

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "ram_slam/geometry/median.hpp"
 #include "ramscout_bringup/stamp_review.hpp"
 
 #include "recording_survey.hpp"
@@ -22,8 +23,6 @@ using ramscout_bringup::RecordingOptions;
 constexpr double kMaxClockOffsetS = 1.0;
 /// Odometry that begins or ends so much apart from the scans is worth a note.
 constexpr std::int64_t kUncoveredNs = 1'000'000'000;
-/// When fewer stamps of a topic are different they are no times of measurement.
-constexpr double kLeastShareOfStamps = 0.5;
 
 std::string text(double value, int digits = 1) {
   std::ostringstream stream;
@@ -33,12 +32,6 @@ std::string text(double value, int digits = 1) {
 
 double seconds(std::int64_t ns) {
   return 1e-9 * static_cast<double>(ns);
-}
-
-std::int64_t median(std::vector<std::int64_t> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 std::string list(const std::vector<std::string>& names) {
@@ -51,7 +44,7 @@ std::int64_t stampOffset_ns(const TopicTimes& times) {
   std::vector<std::int64_t> offsets_ns(times.stamps_ns.size());
   std::transform(times.stamps_ns.begin(), times.stamps_ns.end(), times.received_ns.begin(),
                  offsets_ns.begin(), std::minus<>());
-  return median(std::move(offsets_ns));
+  return ram_slam::median(std::move(offsets_ns));
 }
 
 /// Whether the time of recording follows the stamps, as it does when a robot drives.
@@ -62,7 +55,7 @@ bool wasRecordedLive(const TopicTimes& times) {
                  deviations_ns.begin(), [&](std::int64_t stamp_ns, std::int64_t received_ns) {
                    return std::abs(stamp_ns - received_ns - offset_ns);
                  });
-  return seconds(median(std::move(deviations_ns))) < 0.5 * kMaxClockOffsetS;
+  return seconds(ram_slam::median(std::move(deviations_ns))) < 0.5 * kMaxClockOffsetS;
 }
 
 class Planner {
@@ -162,10 +155,9 @@ private:
 
   /// The stamps of a topic, or the times of recording where the stamps are no times of measurement.
   std::vector<std::int64_t> usableTimes(const TopicTimes& times, const std::string& topic) {
-    const double share = ramscout_bringup::shareOfDifferent(times.stamps_ns);
-    const bool is_usable = share >= kLeastShareOfStamps || times.stamps_ns.size() < 3;
-    if (is_usable || ramscout_bringup::shareOfDifferent(times.received_ns) < kLeastShareOfStamps)
+    if (!ramscout_bringup::shouldUseRecorders(times.stamps_ns, times.received_ns))
       return times.stamps_ns;
+    const double share = ramscout_bringup::shareOfDifferent(times.stamps_ns);
     note("the " + std::to_string(times.stamps_ns.size()) + " messages of " + topic + " have only " +
          std::to_string(std::lround(share * static_cast<double>(times.stamps_ns.size()))) +
          " different stamps: the times of recording are used instead");

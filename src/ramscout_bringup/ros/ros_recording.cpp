@@ -9,27 +9,11 @@
 #include <stdexcept>
 
 #include <ram_slam/ros/conversions.hpp>
+#include <tf2_eigen/tf2_eigen.h>
 
 #include "ramscout_bringup/carmen_recording.hpp"
 
 namespace ramscout_bringup_ros {
-namespace {
-
-geometry_msgs::Transform toTransform(const Eigen::Isometry3d& transform) {
-  const Eigen::Quaterniond q(transform.linear());
-  geometry_msgs::Transform message;
-  message.translation.x = transform.translation().x();
-  message.translation.y = transform.translation().y();
-  message.translation.z = transform.translation().z();
-  message.rotation.x = q.x();
-  message.rotation.y = q.y();
-  message.rotation.z = q.z();
-  message.rotation.w = q.w();
-  return message;
-}
-
-}  // namespace
-
 RosRecording::RosRecording(std::unique_ptr<MessageSource> source,
                            const ramscout_bringup::RecordingOptions& options)
     : source_(std::move(source)),
@@ -75,7 +59,11 @@ void RosRecording::takeScan(const sensor_msgs::LaserScan& message, std::size_t i
     ram_slam::LaserScan scan = ram_slam_ros::toLaserScan(corrected);
     if (plan_.sweep_s)
       scan.time_increment_s = *plan_.sweep_s / static_cast<double>(scan.ranges_m.size());
-    if (plan_.no_return_m) ram_slam::markNoReturns(*plan_.no_return_m, scan);
+    if (plan_.no_return_m) {
+      scan.range_max_m =
+          std::min(scan.range_max_m, ram_slam::NoReturnDetector::limit_m(*plan_.no_return_m));
+      ram_slam::markNoReturns(scan.range_max_m, scan.ranges_m);
+    }
     scan = ram_slam::inSweepDirection(options_.sweep_direction, std::move(scan));
     const auto mount = mountOf(message.header.frame_id, scan.stamp_ns);
     if (mount.upside_down) scan = ram_slam::mirrored(std::move(scan));
@@ -94,7 +82,7 @@ ram_slam_ros::Mounting RosRecording::mountOf(const std::string& frame, std::int6
     const auto base_from_laser = survey_.tree.lookup(plan_.base_frame, frame, stamp_ns);
     if (!base_from_laser)
       throw std::invalid_argument("the laser's mount moves, and tf does not know it at the stamp");
-    mount = ram_slam_ros::toMounting(toTransform(*base_from_laser));
+    mount = ram_slam_ros::toMounting(tf2::eigenToTransform(*base_from_laser).transform);
   }
   if (survey_.tree.isConstant(plan_.base_frame, frame)) constant_mounts_[frame] = mount;
   return mount;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "ram_slam/geometry/median.hpp"
 #include "ram_slam/sensing/no_return.hpp"
 #include "ramscout_bringup/stamp_review.hpp"
 #include "ramscout_bringup/text_file.hpp"
@@ -146,10 +147,7 @@ std::vector<std::int64_t> usableStamps(std::vector<LaserLine>& lines, CarmenLog&
     stamps_ns.push_back(line.scan.stamp_ns);
     if (line.logged_ns) logged_ns.push_back(*line.logged_ns);
   }
-  if (lines.size() < 3 || shareOfDifferent(stamps_ns) >= 0.5 || logged_ns.size() < lines.size() ||
-      shareOfDifferent(logged_ns) < 0.5) {
-    return stamps_ns;
-  }
+  if (!shouldUseRecorders(stamps_ns, logged_ns)) return stamps_ns;
   log.notes.push_back("more than half of the stamps repeat: the logger's are used instead");
   for (LaserLine& line : lines) line.scan.stamp_ns = *line.logged_ns;
   return logged_ns;
@@ -178,21 +176,11 @@ std::vector<LaserLine> selectLines(std::vector<LaserLine> lines,
 void applyRep117(const std::optional<float>& no_return_m, LaserScan& scan) {
   const float limit_m =
       no_return_m ? ram_slam::NoReturnDetector::limit_m(*no_return_m) : scan.range_max_m;
-  for (float& range_m : scan.ranges_m) {
-    if (range_m >= limit_m) {
-      range_m = std::numeric_limits<float>::infinity();
-    } else if (range_m < kTooCloseM) {
-      range_m = -std::numeric_limits<float>::infinity();
-    }
-  }
+  ram_slam::markNoReturns(limit_m, scan.ranges_m);
+  for (float& range_m : scan.ranges_m)
+    if (range_m < kTooCloseM) range_m = -std::numeric_limits<float>::infinity();
   scan.range_min_m = kTooCloseM;
   scan.range_max_m = limit_m;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The constant between base and laser, if it is one: logs whose laser poses were corrected
@@ -207,14 +195,14 @@ std::optional<Pose2> findMount(const std::vector<LaserLine>& lines) {
     y_m.push_back(mount.y_m);
     yaw_rad.push_back(mount.yaw_rad);
   }
-  const Pose2 mount{median(x_m), median(y_m), median(yaw_rad)};
+  const Pose2 mount{ram_slam::median(x_m), ram_slam::median(y_m), ram_slam::median(yaw_rad)};
   std::vector<double> deviations;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double distance_m = std::hypot(x_m[i] - mount.x_m, y_m[i] - mount.y_m);
     deviations.push_back(
         std::max(distance_m, std::abs(ram_slam::wrapAngle(yaw_rad[i] - mount.yaw_rad))));
   }
-  if (median(deviations) > kMaxMountDeviation) return std::nullopt;
+  if (ram_slam::median(deviations) > kMaxMountDeviation) return std::nullopt;
   return mount;
 }
 
@@ -230,8 +218,7 @@ bool odometryMoves(const std::vector<LaserLine>& lines) {
 
 CarmenLog readCarmenLog(const std::string& path, const RecordingOptions& options) {
   CarmenLog log;
-  const std::vector<LaserLine> all = readLaserLines(path, options, log);
-  std::vector<LaserLine> lines = selectLines(all, options, log);
+  std::vector<LaserLine> lines = selectLines(readLaserLines(path, options, log), options, log);
 
   if (options.base_from_laser) {
     log.base_from_laser = *options.base_from_laser;

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "ram_slam/geometry/median.hpp"
 #include "ramscout_bringup/text_file.hpp"
 #include "ramscout_bringup/words.hpp"
 
@@ -46,9 +47,7 @@ std::int64_t longestStep_ns(const Trajectory& truth) {
   for (std::size_t i = 1; i < truth.size(); ++i)
     steps_ns.push_back(truth[i].stamp_ns - truth[i - 1].stamp_ns);
   if (steps_ns.empty()) return kLeastNs;
-  const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
-  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
-  return std::max(kLeastNs, 10 * *middle);
+  return std::max(kLeastNs, 10 * ram_slam::median(std::move(steps_ns)));
 }
 
 /// The truth at the estimate's stamps, for those that it spans.

@@ -7,13 +7,16 @@
 #include <limits>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
+
+#include "ram_slam/geometry/median.hpp"
+#include "ram_slam/stages/clock_guard.hpp"
 
 namespace ramscout_bringup {
 namespace {
 
-/// Messages of one topic that arrive out of order do so by less than this; a clock that is set
-/// back goes back by more. As ram_slam::ClockGuard.
-constexpr std::int64_t kToleranceNs = 1'000'000'000;
+/// Messages of one topic that arrive out of order do so by less than this.
+constexpr std::int64_t kToleranceNs = ram_slam::ClockGuard::kSetBackNs;
 /// So many messages in a row are no stray ones: at 10 Hz a second of driving.
 constexpr std::size_t kLeastDrive = 10;
 
@@ -90,9 +93,7 @@ void reviewSteps(const std::vector<std::int64_t>& sorted_ns, StampReview& review
     }
   }
   if (steps_ns.empty()) return;
-  const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
-  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
-  review.period_s = 1e-9 * static_cast<double>(*middle);
+  review.period_s = 1e-9 * static_cast<double>(ram_slam::median(std::move(steps_ns)));
 }
 
 std::string seconds(std::int64_t ns) {
@@ -162,6 +163,13 @@ double shareOfDifferent(std::vector<std::int64_t> stamps_ns) {
   std::sort(stamps_ns.begin(), stamps_ns.end());
   const auto different = std::unique(stamps_ns.begin(), stamps_ns.end()) - stamps_ns.begin();
   return static_cast<double>(different) / count;
+}
+
+bool shouldUseRecorders(const std::vector<std::int64_t>& stamps_ns,
+                        const std::vector<std::int64_t>& recorders_ns) {
+  constexpr double kLeastShare = 0.5;
+  return stamps_ns.size() >= 3 && recorders_ns.size() == stamps_ns.size() &&
+         shareOfDifferent(stamps_ns) < kLeastShare && shareOfDifferent(recorders_ns) >= kLeastShare;
 }
 
 Drive selectDrive(const std::vector<std::int64_t>& stamps_ns,

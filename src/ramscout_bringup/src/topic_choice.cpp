@@ -11,10 +11,6 @@ namespace {
 const std::set<std::string> kScanTypes{"sensor_msgs/LaserScan", "sensor_msgs/MultiEchoLaserScan"};
 const std::set<std::string> kOdometryTypes{"nav_msgs/Odometry"};
 
-std::string withoutSlash(const std::string& name) {
-  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
-}
-
 std::string lastPart(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
 }
@@ -62,6 +58,10 @@ std::string preferred(const std::vector<RecordedTopic>& candidates, const std::s
 }
 
 }  // namespace
+
+std::string withoutSlash(const std::string& name) {
+  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
+}
 
 bool isSameTopic(const std::string& a, const std::string& b) {
   return withoutSlash(a) == withoutSlash(b);

@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <set>
 
+#include "ramscout_bringup/topic_choice.hpp"
+
 namespace ramscout_bringup {
 namespace {
 
 using Eigen::Isometry3d;
-
-std::string withoutSlash(const std::string& name) {
-  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
-}
 
 Isometry3d toIsometry(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& translation_m) {
   return Eigen::Translation3d(translation_m) * rotation;
@@ -94,7 +92,10 @@ bool TransformTree::connects(const std::string& target, const std::string& sourc
 }
 
 bool TransformTree::isConstant(const std::string& target, const std::string& source) const {
-  return stamps(target, source).empty();
+  const auto found = path(target, source);
+  const auto changes = [](const Edge* edge) { return edge->samples.size() > 1; };
+  return !found || (std::none_of(found->first.begin(), found->first.end(), changes) &&
+                    std::none_of(found->second.begin(), found->second.end(), changes));
 }
 
 std::vector<std::int64_t> TransformTree::stamps(const std::string& target,
@@ -128,24 +129,26 @@ std::optional<Isometry3d> TransformTree::at(const Edge& edge, std::int64_t stamp
                     last.translation_m + fraction * (next->translation_m - last.translation_m));
 }
 
+std::optional<Isometry3d> TransformTree::ancestorFrom(const std::vector<const Edge*>& edges,
+                                                      std::int64_t stamp_ns) {
+  Isometry3d ancestor_from_frame = Isometry3d::Identity();
+  for (const Edge* edge : edges) {
+    const auto parent_from_child = at(*edge, stamp_ns);
+    if (!parent_from_child) return std::nullopt;
+    ancestor_from_frame = *parent_from_child * ancestor_from_frame;
+  }
+  return ancestor_from_frame;
+}
+
 std::optional<Isometry3d> TransformTree::lookup(const std::string& target,
                                                 const std::string& source,
                                                 std::int64_t stamp_ns) const {
   const auto found = path(target, source);
   if (!found) return std::nullopt;
-  Isometry3d ancestor_from_source = Isometry3d::Identity();
-  for (const Edge* edge : found->first) {
-    const auto parent_from_child = at(*edge, stamp_ns);
-    if (!parent_from_child) return std::nullopt;
-    ancestor_from_source = *parent_from_child * ancestor_from_source;
-  }
-  Isometry3d ancestor_from_target = Isometry3d::Identity();
-  for (const Edge* edge : found->second) {
-    const auto parent_from_child = at(*edge, stamp_ns);
-    if (!parent_from_child) return std::nullopt;
-    ancestor_from_target = *parent_from_child * ancestor_from_target;
-  }
-  return ancestor_from_target.inverse() * ancestor_from_source;
+  const auto ancestor_from_source = ancestorFrom(found->first, stamp_ns);
+  const auto ancestor_from_target = ancestorFrom(found->second, stamp_ns);
+  if (!ancestor_from_source || !ancestor_from_target) return std::nullopt;
+  return ancestor_from_target->inverse() * *ancestor_from_source;
 }
 
 std::string TransformTree::parent(const std::string& frame) const {

@@ -10,6 +10,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "ram_slam/geometry/median.hpp"
+
 namespace ram_slam {
 namespace {
 
@@ -58,12 +60,6 @@ std::vector<Interval> withOdometry(const std::vector<Interval>& intervals,
     complete.push_back(interval);
   }
   return complete;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 bool isTurn(const Interval& interval, const Parameters& parameters) {

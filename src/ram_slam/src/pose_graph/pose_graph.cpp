@@ -218,8 +218,9 @@ private:
     std::fill(is_out_.begin(), is_out_.end(), false);
     solveFrom(chainPoses(graph_));
     takeOutDistrusted();
-    do refuseTheDearest();
-    while (readmitTheCheap());
+    do {
+      refuseCostly();
+    } while (readmitCheap());
     solution_.is_judged = true;
   }
 
@@ -267,15 +268,15 @@ private:
   }
 
   /// Takes out the closure that costs the others most until none costs too much.
-  void refuseTheDearest() {
+  void refuseCostly() {
     while (true) {
       std::vector<double> cost = costs();
       for (std::size_t i = 0; i < cost.size(); ++i) {
         if (is_out_[i]) cost[i] = 0.0;
       }
-      const auto dearest = std::max_element(cost.begin(), cost.end());
-      if (dearest == cost.end() || *dearest <= parameters_.closure_cost_chi2) return;
-      const auto refused = static_cast<std::size_t>(dearest - cost.begin());
+      const auto costliest = std::max_element(cost.begin(), cost.end());
+      if (costliest == cost.end() || *costliest <= parameters_.closure_cost_chi2) return;
+      const auto refused = static_cast<std::size_t>(costliest - cost.begin());
       is_out_[refused] = true;
       is_refused_[refused] = true;
       solveFrom(chainPoses(graph_));
@@ -284,7 +285,7 @@ private:
   }
 
   /// Closures that were taken out together with one that bent the poses may agree now.
-  bool readmitTheCheap() {
+  bool readmitCheap() {
     const std::vector<double> cost = costs();
     bool found = false;
     for (std::size_t i = 0; i < cost.size(); ++i) {

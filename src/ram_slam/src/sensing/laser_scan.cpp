@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "ram_slam/sensing/no_return.hpp"
-
 namespace ram_slam {
 namespace {
 
@@ -77,11 +75,9 @@ LaserScan inSweepDirection(SweepDirection direction, LaserScan scan) {
   return scan;
 }
 
-void markNoReturns(float code_m, LaserScan& scan) {
-  const float limit_m = NoReturnDetector::limit_m(code_m);
-  for (float& range_m : scan.ranges_m)
-    if (range_m >= limit_m) range_m = std::numeric_limits<float>::infinity();
-  scan.range_max_m = std::min(scan.range_max_m, limit_m);
+void markNoReturns(float from_m, std::vector<float>& ranges_m) {
+  for (float& range_m : ranges_m)
+    if (range_m >= from_m) range_m = std::numeric_limits<float>::infinity();
 }
 
 }  // namespace ram_slam

@@ -10,7 +10,7 @@ namespace {
 constexpr float kLeastCodeM = 5.0F;  // no common lidar sees less far
 // A no-return code is farther than all but stray readings; a sensor has a few of them close
 // together, each exact, where a wall's readings scatter, and far commoner than the readings of any
-// far wall. The shares are those of the SICK logs that were looked at, with a margin of five.
+// far wall.
 constexpr float kCodeSpread = 0.01F;
 constexpr double kLeastCodeShare = 1e-4;
 constexpr double kLeastShareAmongCodes = 0.25;

@@ -29,8 +29,13 @@ struct StampReview {
 /// few in a row, else it belongs to another drive.
 StampReview reviewStamps(const std::vector<std::int64_t>& stamps_ns);
 
-/// Part of the different ones among some stamps; below a half they are no times of measurement.
+/// Part of the different ones among some stamps; NaN if there is none.
 double shareOfDifferent(std::vector<std::int64_t> stamps_ns);
+
+/// Whether most stamps of a topic repeat, so that they are no times of measurement, and most of
+/// those that the recorder gave do not.
+bool shouldUseRecorders(const std::vector<std::int64_t>& stamps_ns,
+                        const std::vector<std::int64_t>& recorders_ns);
 
 /// The messages of one drive.
 struct Drive {

@@ -14,6 +14,9 @@ struct RecordedTopic {
   std::size_t message_count = 0;
 };
 
+/// A name without its leading slash, if it has one.
+std::string withoutSlash(const std::string& name);
+
 /// Whether two topic names are the same but for a leading slash.
 bool isSameTopic(const std::string& a, const std::string& b);
 

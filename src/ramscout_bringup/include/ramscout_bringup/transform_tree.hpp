@@ -65,6 +65,9 @@ private:
   /// The chains of two frames without their common part. \return nothing if they do not meet
   std::optional<std::pair<std::vector<const Edge*>, std::vector<const Edge*>>> path(
       const std::string& target, const std::string& source) const;
+  /// The frame below the edges, seen from the one above them.
+  static std::optional<Eigen::Isometry3d> ancestorFrom(const std::vector<const Edge*>& edges,
+                                                       std::int64_t stamp_ns);
   static std::optional<Eigen::Isometry3d> at(const Edge& edge, std::int64_t stamp_ns);
 
   std::map<std::string, Edge> edges_;  ///< by child

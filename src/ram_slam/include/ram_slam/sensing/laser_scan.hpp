@@ -76,8 +76,7 @@ enum class SweepDirection {
 /// The scan with its readings in the order in which they were taken.
 LaserScan inSweepDirection(SweepDirection direction, LaserScan scan);
 
-/// Gives readings from NoReturnDetector::limit_m(code_m) on their meaning, +Inf, and the scan that
-/// limit.
-void markNoReturns(float code_m, LaserScan& scan);
+/// Gives readings from a range on the meaning that nothing came back: +Inf (REP 117).
+void markNoReturns(float from_m, std::vector<float>& ranges_m);
 
 }  // namespace ram_slam
