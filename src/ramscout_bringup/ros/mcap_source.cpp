@@ -133,6 +133,8 @@ public:
   void restart(const std::vector<std::string>& topics) override {
     wanted_ = {topics.begin(), topics.end()};
     messages_.clear();
+    cut_off_.clear();
+    damaged_count_ = 0;
     file_ = std::ifstream(path_, std::ios::binary | std::ios::ate);
     size_ = static_cast<std::uint64_t>(file_.tellg());
     file_.seekg(kMagicSize);

@@ -38,7 +38,7 @@ public:
   /// \throws std::runtime_error naming the file if it cannot be read on
   virtual std::optional<RecordedMessage> next() = 0;
 
-  /// What the file's reader left out, in a line each; empty if nothing.
+  /// What was left out since restart(), in a line each; empty if nothing.
   virtual std::vector<std::string> notes() const { return {}; }
 };
 

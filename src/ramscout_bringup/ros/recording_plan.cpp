@@ -135,6 +135,10 @@ private:
   }
 
   void checkMounts() {
+    if (survey_.tree.ignoredCount() > 0) {
+      note("left out " + std::to_string(survey_.tree.ignoredCount()) +
+           " transforms: not finite, without a frame, or of a child that has another parent");
+    }
     if (options_.base_from_laser) return;
     for (const auto& [frame, count] : survey_.scans.count_of_frame) {
       if (survey_.tree.connects(plan_.base_frame, frame)) continue;
@@ -146,10 +150,6 @@ private:
       }
       note("laser frame '" + frame + "' is assumed at '" + plan_.base_frame +
            "': the recording has no tf; give the mount with --mount x,y,yaw");
-    }
-    if (survey_.tree.ignoredCount() > 0) {
-      note("left out " + std::to_string(survey_.tree.ignoredCount()) +
-           " transforms: not finite, without a frame, or of a child that has another parent");
     }
   }
 
@@ -328,7 +328,6 @@ private:
            text(scans.limit_m, 2) + " m) mean that nothing came back");
     }
     plan_.no_return_m = scans.no_return.code_m();
-    if (plan_.no_return_m && *plan_.no_return_m >= 0.999 * scans.limit_m) plan_.no_return_m.reset();
     if (plan_.no_return_m) {
       note("readings of " + text(*plan_.no_return_m, 2) +
            " m and more mean that nothing came back");

@@ -19,7 +19,9 @@ Eigen::Isometry3d toIsometry(const geometry_msgs::Transform& transform) {
   const auto& q = transform.rotation;
   const auto& t = transform.translation;
   Eigen::Isometry3d isometry = Eigen::Isometry3d::Identity();
-  isometry.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
+  // Not finite for a quaternion of zeros: the tree leaves it out.
+  isometry.linear() = Eigen::Quaterniond(rotation.coeffs() / rotation.norm()).toRotationMatrix();
   isometry.translation() = Eigen::Vector3d(t.x, t.y, t.z);
   return isometry;
 }
@@ -102,6 +104,7 @@ RecordingSurvey survey(MessageSource& source, const ramscout_bringup::RecordingO
   source.restart(topics);
   while (const auto message = source.next()) surveyor.take(*message);
   survey.tree.finish();
+  survey.source_notes = source.notes();
   return survey;
 }
 

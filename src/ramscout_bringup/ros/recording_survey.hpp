@@ -53,6 +53,7 @@ struct RecordingSurvey {
   Scans scans;
   std::map<std::string, Odometry> odometry;  ///< by topic: all candidates
   ramscout_bringup::TransformTree tree;
+  std::vector<std::string> source_notes;  ///< what the file's reader left out
 };
 
 /// What to read, decided from a survey.

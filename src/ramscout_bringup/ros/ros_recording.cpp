@@ -96,7 +96,7 @@ std::vector<std::string> RosRecording::notes() const {
   std::vector<std::string> notes = plan_.notes;
   for (const auto& [reason, count] : left_out_)
     notes.push_back("left out " + std::to_string(count) + " scans: " + reason);
-  for (const std::string& note : source_->notes()) notes.push_back(note);
+  notes.insert(notes.end(), survey_.source_notes.begin(), survey_.source_notes.end());
   return notes;
 }
 
@@ -114,6 +114,22 @@ std::string fileIn(const std::filesystem::path& folder) {
                            " recordings (.mcap, .db3), wanted one: name the file");
 }
 
+std::unique_ptr<RosRecording> openRos(std::unique_ptr<MessageSource> source,
+                                      const ramscout_bringup::RecordingOptions& options) {
+  if (options.fov_rad)
+    throw std::runtime_error("--fov is for CARMEN logs: ROS scans carry their angles");
+  return std::make_unique<RosRecording>(std::move(source), options);
+}
+
+void refuseRosOptions(const ramscout_bringup::RecordingOptions& options) {
+  if (options.scan_topic.empty() && options.odometry_topic.empty() && options.odom_frame.empty() &&
+      options.base_frame.empty() && options.scan_clock_offset_s == 0.0)
+    return;
+  throw std::runtime_error(
+      "this is a CARMEN log: --scan-topic, --odom-topic, --odom-frame, --base-frame and "
+      "--scan-clock-offset are for recordings of ROS messages");
+}
+
 }  // namespace
 
 std::unique_ptr<ramscout_bringup::Recording> openRecording(
@@ -123,9 +139,10 @@ std::unique_ptr<ramscout_bringup::Recording> openRecording(
   std::ifstream file(path, std::ios::binary);
   file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
   const auto begins = [&](const std::string& magic) { return beginning.rfind(magic, 0) == 0; };
-  if (begins("#ROSBAG V")) return std::make_unique<RosRecording>(openBag(path), options);
-  if (begins("\x89MCAP")) return std::make_unique<RosRecording>(openMcap(path), options);
-  if (begins("SQLite format 3")) return std::make_unique<RosRecording>(openSqlite(path), options);
+  if (begins("#ROSBAG V")) return openRos(openBag(path), options);
+  if (begins("\x89MCAP")) return openRos(openMcap(path), options);
+  if (begins("SQLite format 3")) return openRos(openSqlite(path), options);
+  refuseRosOptions(options);
   return std::make_unique<ramscout_bringup::CarmenRecording>(path, options);
 }
 

@@ -56,7 +56,7 @@ private:
 
 /// Opens a recording, whatever its name: ROS bag, MCAP, SQLite (.db3), a folder with one of these,
 /// or CARMEN log.
-/// \throws std::runtime_error as its reader
+/// \throws std::runtime_error as its reader, or if an option does not apply to the format
 std::unique_ptr<ramscout_bringup::Recording> openRecording(
     const std::string& path, const ramscout_bringup::RecordingOptions& options);
 

@@ -32,6 +32,7 @@ public:
   const std::vector<ramscout_bringup::RecordedTopic>& topics() const override { return topics_; }
 
   void restart(const std::vector<std::string>& topics) override {
+    damaged_count_ = 0;
     const std::set<std::string> wanted(topics.begin(), topics.end());
     std::string ids;
     for (const auto& [id, topic] : topic_of_id_)

@@ -263,6 +263,8 @@ TEST_F(SourceTest, DatabaseOfRosbag2IsReadInTheOrderOfItsTimes) {
   EXPECT_EQ(source->next().value().received_ns, 200);
   EXPECT_FALSE(source->next()) << "the third one is damaged";
   EXPECT_THAT(source->notes(), Contains(HasSubstr("left out 1 messages")));
+  source->restart({"/odom"});
+  EXPECT_TRUE(source->notes().empty()) << "each reading counts by itself";
 }
 
 TEST_F(SourceTest, FileThatIsNoneOfTheFormatsIsRefused) {

@@ -10,7 +10,7 @@
 
 #include <gmock/gmock.h>
 
-#include "../ros/message_decoder.hpp"
+#include "recorded_drive.hpp"
 
 namespace ramscout_bringup_ros {
 namespace {
@@ -21,110 +21,6 @@ using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-/// A recording in memory.
-class Memory : public MessageSource {
-public:
-  explicit Memory(std::vector<RecordedMessage> messages) : messages_(std::move(messages)) {
-    const char* const kTypes[] = {"sensor_msgs/LaserScan", "nav_msgs/Odometry",
-                                  "tf2_msgs/TFMessage"};
-    for (const RecordedMessage& message : messages_) {
-      const auto known = std::find_if(topics_.begin(), topics_.end(), [&](const auto& topic) {
-        return topic.name == message.topic;
-      });
-      if (known == topics_.end())
-        topics_.push_back({message.topic, kTypes[message.content.index()], 1});
-    }
-  }
-  const std::vector<ramscout_bringup::RecordedTopic>& topics() const override { return topics_; }
-  void restart(const std::vector<std::string>& topics) override {
-    wanted_ = topics;
-    next_ = 0;
-  }
-  std::optional<RecordedMessage> next() override {
-    while (next_ < messages_.size()) {
-      const RecordedMessage& message = messages_[next_++];
-      if (std::count(wanted_.begin(), wanted_.end(), message.topic) > 0) return message;
-    }
-    return std::nullopt;
-  }
-
-private:
-  std::vector<RecordedMessage> messages_;
-  std::vector<ramscout_bringup::RecordedTopic> topics_;
-  std::vector<std::string> wanted_;
-  std::size_t next_ = 0;
-};
-
-ros::Time time(double t_s) {
-  return ros::Time(1000.0 + t_s);
-}
-RecordedMessage message(const std::string& topic, double t_s, const MessageContent& content) {
-  return {topic, static_cast<std::int64_t>(time(t_s).toNSec()), content};
-}
-
-sensor_msgs::LaserScan scan(double t_s, const std::string& frame = "laser") {
-  sensor_msgs::LaserScan scan;
-  scan.header.stamp = time(t_s);
-  scan.header.frame_id = frame;
-  scan.angle_min = -1.0F;
-  scan.angle_max = 1.0F;
-  scan.angle_increment = 0.5F;
-  scan.range_min = 0.1F;
-  scan.range_max = 8.0F;
-  scan.ranges = {1.0F, 2.0F, 3.0F, 2.0F, 1.0F};
-  return scan;
-}
-
-nav_msgs::Odometry odometry(double t_s, double x_m, const std::string& child = "base_link") {
-  nav_msgs::Odometry odometry;
-  odometry.header.stamp = time(t_s);
-  odometry.header.frame_id = "odom";
-  odometry.child_frame_id = child;
-  odometry.pose.pose.position.x = x_m;
-  odometry.pose.pose.orientation.w = 1.0;
-  return odometry;
-}
-
-tf2_msgs::TFMessage transform(const std::string& parent,
-                              const std::string& child,
-                              double t_s,
-                              double x_m,
-                              double yaw_rad = 0.0) {
-  tf2_msgs::TFMessage message;
-  message.transforms.resize(1);
-  message.transforms[0].header.stamp = time(t_s);
-  message.transforms[0].header.frame_id = parent;
-  message.transforms[0].child_frame_id = child;
-  message.transforms[0].transform.translation.x = x_m;
-  message.transforms[0].transform.rotation.z = std::sin(0.5 * yaw_rad);
-  message.transforms[0].transform.rotation.w = std::cos(0.5 * yaw_rad);
-  return message;
-}
-
-/// 20 s of driving at 0.5 m/s: scans at 5 Hz, odometry at 10 Hz.
-class Drive {
-public:
-  Drive() {
-    messages.push_back(message("/tf_static", 0.0, transform("base_link", "laser", 0.0, 0.2)));
-  }
-  Drive& withScans() {
-    for (int i = 0; i < 100; ++i) messages.push_back(message("/scan", 0.2 * i, scan(0.2 * i)));
-    return *this;
-  }
-  Drive& withOdometry(const std::string& topic = "/odom", const std::string& child = "base_link") {
-    for (int i = 0; i <= 200; ++i)
-      messages.push_back(message(topic, 0.1 * i, odometry(0.1 * i, 0.05 * i, child)));
-    return *this;
-  }
-  template <typename Content, typename Change>
-  Drive& change(const Change& change) {
-    for (RecordedMessage& message : messages)
-      if (auto* content = std::get_if<Content>(&message.content)) change(*content);
-    return *this;
-  }
-  std::vector<RecordedMessage> messages;
-};
 
 RosRecording open(const Drive& drive, const RecordingOptions& options = {}) {
   return {std::make_unique<Memory>(drive.messages), options};
@@ -190,6 +86,18 @@ TEST(RosRecording, WithoutAnyTfTheMountIsAssumedAndSaidSo) {
   options.base_from_laser = ram_slam::Pose2{0.3, 0.0, M_PI};
   RosRecording recording = open(drive, options);
   EXPECT_EQ(readAll(recording).scans.front().base_from_laser.x_m, 0.3);
+}
+
+TEST(RosRecording, TransformWhoseRotationIsAllZerosIsLeftOutAndCounted) {
+  Drive drive = Drive().withScans();
+  drive.messages.push_back(message("/tf_static", 0.0, transform("base_link", "mast", 0.0, 0.0)));
+  drive.change<tf2_msgs::TFMessage>([](auto& tf) {
+    if (tf.transforms[0].child_frame_id == "laser") tf.transforms[0].transform.rotation.w = 0.0;
+  });
+  EXPECT_THAT(errorOf(drive), HasSubstr("frames: base_link, mast"));
+  RecordingOptions options;
+  options.base_from_laser = ram_slam::Pose2{};
+  EXPECT_THAT(open(drive, options).notes(), Contains(HasSubstr("left out 1 transforms")));
 }
 
 TEST(RosRecording, LaserThatTfDoesNotKnowIsRefusedWithTheFramesThereAre) {
@@ -355,6 +263,17 @@ TEST(RosRecording, CodeForNothingBelowTheLimitIsRecognised) {
   EXPECT_EQ(readAll(recording).scans[5].scan.ranges_m[1], kInfinity);
   EXPECT_THAT(recording.notes(),
               Contains("readings of 81.83 m and more mean that nothing came back"));
+}
+
+TEST(RosRecording, ReadingsThatScatterBelowACodeAtTheLimitMeanTheSame) {
+  Drive drive = Drive().withScans();
+  int count = 0;
+  drive.change<sensor_msgs::LaserScan>([&count](auto& scan) {
+    scan.ranges[1] = ++count % 2 == 0 ? 8.0F : 7.95F + 0.0001F * static_cast<float>(count);
+  });
+  RosRecording recording = open(drive);
+  for (const ram_slam::MountedScan& mounted : readAll(recording).scans)
+    EXPECT_EQ(mounted.scan.ranges_m[1], kInfinity);
 }
 
 TEST(RosRecording, SweepComesFromTheRateWhereTimeIncrementCannotBeTrue) {

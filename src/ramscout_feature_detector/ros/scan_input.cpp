@@ -33,6 +33,11 @@ std::vector<std::string> oddities(const sensor_msgs::LaserScan& message,
   if (message.time_increment != 0.0F && scan.time_increment_s == 0.0) {
     found.push_back("time_increment is no plausible duration; taken as measured at once");
   }
+  if (!ram_slam_ros::hasRangeLimit(message)) {
+    found.push_back("range_max is no limit; 100 m is assumed");
+  } else if (ram_slam_ros::countAtLimit(message) > 0) {
+    found.push_back("readings at range_max; taken to mean that nothing came back");
+  }
   if (!isDuration(message.scan_time)) found.push_back("scan_time is no duration; it is not used");
   if (!message.intensities.empty() && message.intensities.size() != message.ranges.size()) {
     found.push_back("number of intensities differs from that of ranges; they are not used");

@@ -191,6 +191,15 @@ class DetectorNodes(unittest.TestCase):
             scan.angle_max = value
             self.assertEqual(self.corners_of(scan), 4, value)
 
+    def test_what_is_assumed_about_the_range_limit_is_reported(self):
+        for range_max, text in ((math.inf, "range_max is no limit; 100 m is assumed"),
+                                (2.0, "readings at range_max; taken to mean that nothing came back")):
+            scan = self.scan()
+            scan.range_max = range_max
+            self.assertIsNotNone(self.send_and_wait(scan))
+            for node in ("/feature_detector", "/edge_detector"):
+                self.assertTrue(self.wait_until(lambda: self.logged(node, Log.WARN, text)), (node, text))
+
     def test_a_message_that_comes_twice_counts_once(self):
         scan = self.scan()
         self.assertIsNotNone(self.send_and_wait(scan))

@@ -96,6 +96,17 @@ class BagCheckTest(ProgramTest):
             self.assertNotEqual(finished.returncode, 0, option)
             self.assertIn(option, finished.stderr)
 
+    def test_options_of_the_other_kind_of_recording_are_refused(self):
+        log = self.write("plain.clf", "".join(LINES))
+        for option, value in (("--scan-topic", "scan"), ("--odom-topic", "odom"), ("--base-frame", "base"),
+                              ("--scan-clock-offset", "1")):
+            finished = self.run_program("bag_check", log, option, value)
+            self.assertEqual(finished.returncode, 1, option)
+            self.assertIn("this is a CARMEN log", finished.stderr)
+        finished = self.run_program("bag_check", self.to_bag(), "--fov", "180")
+        self.assertEqual(finished.returncode, 1)
+        self.assertIn("--fov is for CARMEN logs", finished.stderr)
+
     def test_a_bag_has_what_its_log_has(self):
         bag = self.run_program("bag_check", self.to_bag())
         self.assertEqual(bag.returncode, 0, bag.stderr)
