@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <iterator>
 
+#include "ram_slam/stages/clock_guard.hpp"
+
 namespace ramscout_kinematics {
 namespace {
 
@@ -32,16 +34,10 @@ const ram_parameters::ParameterTable<OdometryBufferParameters>& OdometryBufferPa
       ParameterTable<P>()
           .add("buffer_duration_s", &P::buffer_duration_s, "s", aboveUpTo(0.0, 3600.0),
                "Length of the history that can be asked about.")
-          .add("reorder_window_s", &P::reorder_window_s, "s", atLeast(0.0),
+          .add("reorder_window_s", &P::reorder_window_s, "s",
+               between(0.0, ram_slam::ClockGuard::kSetBackNs * 1e-9),
                "Odometry that arrives out of order by up to this is put in its place, later it is "
-               "dropped.")
-          .rule(&P::reorder_window_s, "<= clock_jump_s",
-                [](const P& p) { return p.reorder_window_s <= p.clock_jump_s; })
-          .add("clock_jump_s", &P::clock_jump_s, "s", anyNumber(),
-               "Odometry older than the newest by more than this means that the clock was set "
-               "back: the history is forgotten.")
-          .rule(&P::clock_jump_s, "<= buffer_duration_s",
-                [](const P& p) { return p.clock_jump_s <= p.buffer_duration_s; })
+               "dropped. By more than 1 s: the clock was set back, and the history is forgotten.")
           .add("max_extrapolation_s", &P::max_extrapolation_s, "s", atLeast(0.0),
                "How far past the newest odometry a request may reach; the last velocity is "
                "continued, with more noise.")
@@ -90,14 +86,14 @@ Added OdometryBuffer::add(const OdometrySample& sample) {
   if (!sample.odom_from_base.isFinite() || !sample.twist.allFinite()) {
     throw std::invalid_argument("odometry is not finite");
   }
-  const double late_s =
-      empty() ? 0.0 : secondsBetween(sample.stamp_ns, entries_.back().sample.stamp_ns);
-  if (late_s > parameters_.clock_jump_s) {
+  const std::int64_t newest_ns = empty() ? 0 : entries_.back().sample.stamp_ns;
+  if (ram_slam::ClockGuard::isSetBack(newest_ns, sample.stamp_ns)) {
     entries_.clear();
     entries_.push_back({sample});
     return Added::kClockSetBack;
   }
-  if (late_s > parameters_.reorder_window_s) return Added::kTooLate;
+  if (secondsBetween(sample.stamp_ns, newest_ns) > parameters_.reorder_window_s)
+    return Added::kTooLate;
 
   const auto place = std::lower_bound(
       entries_.begin(), entries_.end(), sample.stamp_ns,

@@ -338,7 +338,6 @@ TEST(OdometryBufferParameters, RefusesValuesThatContradictEachOther) {
   };
   refuses(&OdometryBufferParameters::reorder_window_s, 1.1);
   refuses(&OdometryBufferParameters::reorder_window_s, -0.1);
-  refuses(&OdometryBufferParameters::clock_jump_s, 31.0);
   refuses(&OdometryBufferParameters::buffer_duration_s, 3601.0);
   refuses(&OdometryBufferParameters::max_gap_s, 0.4);
   refuses(&OdometryBufferParameters::gap_s, 0.0);

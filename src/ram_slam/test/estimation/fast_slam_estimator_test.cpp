@@ -10,12 +10,6 @@ namespace {
 class Standing : public MotionModel {
 public:
   PoseWithCovariance2 motion(std::int64_t, std::int64_t) const override { return {}; }
-  std::vector<Pose2> sample(const std::vector<Pose2>& poses,
-                            std::int64_t,
-                            std::int64_t,
-                            std::uint64_t) const override {
-    return poses;
-  }
 };
 
 FeatureList poles(std::int64_t stamp_ns) {

@@ -13,12 +13,6 @@ namespace {
 class Still : public MotionModel {
 public:
   PoseWithCovariance2 motion(std::int64_t, std::int64_t) const override { return {}; }
-  std::vector<Pose2> sample(const std::vector<Pose2>& poses,
-                            std::int64_t,
-                            std::int64_t,
-                            std::uint64_t) const override {
-    return poses;
-  }
 };
 
 constexpr double kVariance_m2 = 0.0009;

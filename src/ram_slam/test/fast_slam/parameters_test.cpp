@@ -7,31 +7,21 @@
 
 #include <gmock/gmock.h>
 
+#include "../parameter_text.hpp"
+
 namespace ram_slam {
 namespace {
 
 FastSlamParameters read(const std::string& yaml) {
-  ram_parameters::ParameterReader reader(YAML::Load(yaml), "test");
-  return readFastSlamParameters(reader);
+  return readText(readFastSlamParameters, yaml);
 }
 
 std::string refusalOf(const std::string& yaml) {
-  try {
-    read(yaml);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return refusalOfText(readFastSlamParameters, yaml);
 }
 
 TEST(FastSlamParameters, AreTheDefaultsInTheShippedFile) {
-  const std::string path = std::string(CONFIG_FOLDER) + "/fast_slam.yaml";
-  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
-  const auto shipped = FastSlamParameters::table().rows(readFastSlamParameters(reader));
-  const auto defaults = FastSlamParameters::table().rows();
-  ASSERT_EQ(shipped.size(), defaults.size());
-  for (std::size_t i = 0; i < shipped.size(); ++i)
-    EXPECT_EQ(shipped[i].value, defaults[i].value) << shipped[i].key;
+  expectDefaultsIn("fast_slam.yaml", readFastSlamParameters);
 }
 
 TEST(FastSlamParameters, AreReadByTheirKeysThoseForExpertsInSections) {

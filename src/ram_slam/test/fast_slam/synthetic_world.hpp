@@ -56,20 +56,6 @@ public:
     return sum;
   }
 
-  std::vector<Pose2> sample(const std::vector<Pose2>& map_from_base,
-                            std::int64_t from_ns,
-                            std::int64_t to_ns,
-                            std::uint64_t seed) const override {
-    const PoseWithCovariance2 mean = motion(from_ns, to_ns);
-    std::vector<Pose2> poses;
-    for (std::size_t i = 0; i < map_from_base.size(); ++i) {
-      const Eigen::Vector3d error = Random(seed, i).gaussian(mean.covariance);
-      poses.push_back(map_from_base[i] * Pose2{mean.pose.x_m + error.x(), mean.pose.y_m + error.y(),
-                                               mean.pose.yaw_rad + error.z()});
-    }
-    return poses;
-  }
-
 private:
   struct Step {
     std::int64_t from_ns = 0;

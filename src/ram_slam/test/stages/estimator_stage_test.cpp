@@ -24,12 +24,6 @@ public:
     motion.pose.x_m = 1e-9 * static_cast<double>(to_ns - from_ns);
     return motion;
   }
-  std::vector<Pose2> sample(const std::vector<Pose2>& poses,
-                            std::int64_t,
-                            std::int64_t,
-                            std::uint64_t) const override {
-    return poses;
-  }
 
   std::int64_t known_from_ns = 0;
   std::int64_t known_to_ns = 1000 * kSecond;

@@ -6,31 +6,21 @@
 
 #include <gmock/gmock.h>
 
+#include "../parameter_text.hpp"
+
 namespace ram_slam {
 namespace {
 
 FastSlamNodeParameters read(const std::string& yaml) {
-  ram_parameters::ParameterReader reader(YAML::Load(yaml), "test");
-  return readFastSlamNodeParameters(reader);
+  return readText(readFastSlamNodeParameters, yaml);
 }
 
 std::string refusalOf(const std::string& yaml) {
-  try {
-    read(yaml);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+  return refusalOfText(readFastSlamNodeParameters, yaml);
 }
 
 TEST(FastSlamNodeParameters, AreTheDefaultsInTheShippedFile) {
-  const std::string path = std::string(CONFIG_FOLDER) + "/fast_slam.yaml";
-  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
-  const auto shipped = FastSlamNodeParameters::table().rows(readFastSlamNodeParameters(reader));
-  const auto defaults = FastSlamNodeParameters::table().rows();
-  ASSERT_EQ(shipped.size(), defaults.size());
-  for (std::size_t i = 0; i < shipped.size(); ++i)
-    EXPECT_EQ(shipped[i].value, defaults[i].value) << shipped[i].key;
+  expectDefaultsIn("fast_slam.yaml", readFastSlamNodeParameters);
 }
 
 TEST(FastSlamNodeParameters, AreReadFromTheSectionNode) {

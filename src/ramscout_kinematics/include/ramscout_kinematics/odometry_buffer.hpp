@@ -28,9 +28,6 @@ struct OdometryBufferParameters {
   double buffer_duration_s = 30.0;
   /// A sample may arrive this much after newer ones and is still put in its place.
   double reorder_window_s = 0.5;
-  /// A sample older than the newest by more than this means that the clock was set back: the
-  /// history is forgotten.
-  double clock_jump_s = 1.0;
   /// How far past the newest sample the last velocity is assumed.
   double max_extrapolation_s = 0.0;
   /// Longer intervals between samples are gaps: the noise of the motion is multiplied by interval /

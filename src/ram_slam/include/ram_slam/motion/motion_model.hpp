@@ -22,12 +22,12 @@ public:
   /// is buffered
   virtual PoseWithCovariance2 motion(std::int64_t from_ns, std::int64_t to_ns) const = 0;
 
-  /// Each pose moved by a motion of its own, sampled from the model; the same seed gives the same
-  /// poses. \throws as motion()
+  /// Each pose moved by a motion of its own, sampled from the model: here from the normal
+  /// distribution that motion() returns. The same seed gives the same poses. \throws as motion()
   virtual std::vector<Pose2> sample(const std::vector<Pose2>& map_from_base,
                                     std::int64_t from_ns,
                                     std::int64_t to_ns,
-                                    std::uint64_t seed) const = 0;
+                                    std::uint64_t seed) const;
 };
 
 }  // namespace ram_slam
