@@ -79,7 +79,7 @@ void markOutliers(std::vector<Interval>& intervals,
     if (of_kind.empty()) continue;
     // 1.4826 median absolute errors are one standard deviation of a normal distribution.
     const double limit = parameters.outlier_deviations *
-                         std::max(parameters.min_deviation, 1.4826 * median(of_kind));
+                         std::max(parameters.min_deviation, kDeviationPerMedian * median(of_kind));
     for (std::size_t i = 0; i < intervals.size(); ++i) {
       if (isTurn(intervals[i], parameters) == turn) intervals[i].used = errors[i] <= limit;
     }

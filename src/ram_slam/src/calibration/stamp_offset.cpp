@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "ram_slam/geometry/median.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 
 namespace ram_slam {
@@ -63,7 +64,7 @@ public:
     Eigen::VectorXd sizes = residuals(offset).cwiseAbs();
     double* const middle = sizes.data() + sizes.size() / 2;
     std::nth_element(sizes.data(), middle, sizes.data() + sizes.size());
-    return std::pow(1.4826 * *middle, 2);
+    return std::pow(kDeviationPerMedian * *middle, 2);
   }
 
   /// The ratio of turns at each offset, by one step of reweighted least squares.

@@ -28,7 +28,7 @@ const ram_parameters::ParameterTable<WheelBiasParameters>& WheelBiasParameters::
 }
 
 double WheelBias::distanceRatio() const {
-  return 1.0 + std::clamp(distance_errors_m2_ / (squares_m2_ + parameters_.prior_m2),
+  return 1.0 + std::clamp(distance_errors_m2_ / (distance_squares_m2_ + parameters_.prior_m2),
                           -parameters_.max_distance_error, parameters_.max_distance_error);
 }
 
@@ -43,13 +43,14 @@ Pose2 WheelBias::corrected(const Pose2& wheels) const {
       {distanceRatio() * twist.x(), twist.y(), twist.z() + yawPerMetre() * twist.x()});
 }
 
-void WheelBias::add(const Pose2& wheels, const Pose2& observed) {
+void WheelBias::add(const Pose2& wheels, const Pose2& observed, double distance_share) {
   const Eigen::Vector3d twist = logarithm(wheels);
   if (std::abs(twist.z()) > parameters_.max_interval_turn_rad) return;
   const Eigen::Vector3d error = logarithm(observed) - twist;
   const double kept = std::exp(-std::abs(twist.x()) / parameters_.memory_m);
   squares_m2_ = kept * squares_m2_ + twist.x() * twist.x();
-  distance_errors_m2_ = kept * distance_errors_m2_ + twist.x() * error.x();
+  distance_squares_m2_ = kept * distance_squares_m2_ + distance_share * twist.x() * twist.x();
+  distance_errors_m2_ = kept * distance_errors_m2_ + distance_share * twist.x() * error.x();
   yaw_errors_rad_m_ = kept * yaw_errors_rad_m_ + twist.x() * error.z();
 }
 

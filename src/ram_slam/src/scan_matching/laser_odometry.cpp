@@ -9,7 +9,6 @@
 
 #include <Eigen/Dense>
 
-#include "ram_slam/motion/motion_noise.hpp"
 #include "ram_slam/scan_matching/pose_hypotheses.hpp"
 
 namespace ram_slam {
@@ -34,9 +33,13 @@ Eigen::Matrix3d shiftCovariance(const Eigen::Matrix3d& covariance, const Eigen::
 
 LaserOdometry::LaserOdometry(const LaserOdometryParameters& parameters)
     : parameters_(parameters),
-      hypotheses_{parameters.matcher,          parameters.pose_likelihood,
-                  parameters.pose_search,      parameters.slip.probability,
-                  parameters.slip.probability, parameters.slip.prior_variance_factor,
+      hypotheses_{parameters.matcher,
+                  parameters.pose_likelihood,
+                  parameters.pose_search,
+                  parameters.slip.probability,
+                  parameters.slip.probability,
+                  parameters.slip.prior_variance_factor,
+                  parameters.slip.contradiction,
                   parameters.search_distance_m},
       wheel_bias_(parameters.wheel_bias) {
   parameters_.validate();
@@ -122,11 +125,7 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
   const bool were_stuck = last_.wheels_stuck && interval_s <= longest_s;
   if (odom_from_base && last_wheels_ && !were_stuck) {
     prediction.motion = wheel_bias_.corrected(last_wheels_->inverse() * *odom_from_base);
-    const MotionNoise noise{
-        parameters_.wheel_rest_deviation_m, parameters_.wheel_rest_deviation_rad,
-        parameters_.wheel_distance_deviation_m_per_m, parameters_.wheel_yaw_deviation_rad_per_m,
-        parameters_.wheel_yaw_deviation_rad_per_rad};
-    const Eigen::Vector3d deviations = noise.deviations(prediction.motion);
+    const Eigen::Vector3d deviations = wheelNoise().deviations(prediction.motion);
     deviation_m = deviations.x();
     deviation_rad = deviations.z();
   } else {
@@ -143,6 +142,12 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
   prediction.covariance.diagonal() << deviation_m * deviation_m, deviation_m * deviation_m,
       deviation_rad * deviation_rad;
   return prediction;
+}
+
+MotionNoise LaserOdometry::wheelNoise() const {
+  return {parameters_.wheel_rest_deviation_m, parameters_.wheel_rest_deviation_rad,
+          parameters_.wheel_distance_deviation_m_per_m, parameters_.wheel_yaw_deviation_rad_per_m,
+          parameters_.wheel_yaw_deviation_rad_per_rad};
 }
 
 ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
@@ -215,9 +220,11 @@ void LaserOdometry::fuse(const ScanMatch& found,
       variance_factor * rotate(prediction.covariance, before.yaw_rad);
   const Eigen::Vector2d lever = odom_from_base.translation() - found.map_from_laser.translation();
   const Eigen::Matrix3d laser_prior = shiftCovariance(prior_covariance, -lever);
-  const double yaw_variance = found.information.ldlt().solve(Eigen::Vector3d::UnitZ()).z();
-  if (found.information.determinant() > 0.0 && yaw_variance > 0.0)
-    estimate.scan_deviation_rad = std::sqrt(yaw_variance);
+  if (found.information.determinant() > 0.0) {
+    const Eigen::Matrix3d by_scan = rotate(found.information.inverse(), -odom_from_base.yaw_rad);
+    if (by_scan(0, 0) > 0.0) estimate.scan_deviation_m = std::sqrt(by_scan(0, 0));
+    if (by_scan(2, 2) > 0.0) estimate.scan_deviation_rad = std::sqrt(by_scan(2, 2));
+  }
   const Eigen::Matrix3d laser_covariance = (found.information + laser_prior.inverse()).inverse();
   estimate.motion.pose = before.inverse() * odom_from_base;
   estimate.motion.covariance = rotate(shiftCovariance(laser_covariance, lever), -before.yaw_rad);
@@ -238,7 +245,10 @@ void LaserOdometry::learnBias(const LaserOdometryEstimate& estimate,
   if (trusted && interval_) {
     const Pose2 wheel_motion = interval_->wheels.inverse() * *wheels;
     if (!parameters_.wheel_bias.interval.isReachedBy(wheel_motion)) return;
-    wheel_bias_.add(wheel_motion, interval_->observed.inverse() * estimate.odom_from_base.pose);
+    const double wheels_m2 = std::pow(wheelNoise().deviations(wheel_motion).x(), 2);
+    const double scans_m2 = std::pow(estimate.scan_deviation_m, 2);
+    wheel_bias_.add(wheel_motion, interval_->observed.inverse() * estimate.odom_from_base.pose,
+                    wheels_m2 / (wheels_m2 + scans_m2));
   }
   interval_.reset();
   if (trusted) interval_ = Interval{*wheels, estimate.odom_from_base.pose};
@@ -263,14 +273,14 @@ bool LaserOdometry::areStuck(const std::optional<Pose2>& wheels, const Pose2& od
 }
 
 std::vector<ReferenceScan> LaserOdometry::references() const {
-  // The last, and others ever farther back: near enough to overlap, far enough apart to hold the
-  // drift.
+  // The last, and others ever farther back: near enough to overlap, and far enough apart to hold
+  // the drift.
   std::vector<ReferenceScan> chosen;
   std::size_t back = 1;
   for (int i = 0; i < parameters_.reference_count && back <= key_scans_.size(); ++i) {
     const KeyScan& key = key_scans_[key_scans_.size() - back];
     chosen.push_back({&key.surfaces, key.odom_from_laser});
-    back += static_cast<std::size_t>(i + 1);
+    back = 2 * back + 1;
   }
   return chosen;
 }

@@ -165,10 +165,27 @@ void PoseHypotheses::search(double angle_rad) {
     const Pose2 between = best.match.map_from_laser.inverse() * other.match.map_from_laser;
     const double lead = best.log_likelihood - other.log_likelihood;
     if (settings.distinct.isExceededBy(between) &&
-        lead < std::max(std::log(settings.min_odds), settings.uniqueness * gain))
+        lead < std::max(std::log(settings.min_odds), settings.uniqueness * gain)) {
+      if (best_.contradiction > settings_.contradiction &&
+          std::abs(between.yaw_rad) <= settings.distinct.angle_rad)
+        best_ = nearerOf(best, other);
       return;
+    }
   }
   best_ = best;
+}
+
+PoseHypotheses::Hypothesis PoseHypotheses::nearerOf(const Hypothesis& a,
+                                                    const Hypothesis& b) const {
+  const Eigen::Vector2d predicted_m = prior_.map_from_laser.translation();
+  const Eigen::Vector2d a_m = a.match.map_from_laser.translation();
+  const Eigen::Vector2d b_m = b.match.map_from_laser.translation();
+  Hypothesis nearer = (a_m - predicted_m).norm() <= (b_m - predicted_m).norm() ? a : b;
+  Eigen::Matrix3d& information = nearer.match.information;
+  const Eigen::Vector3d open(a_m.x() - b_m.x(), a_m.y() - b_m.y(), 0.0);
+  const Eigen::Vector3d column = information * open;
+  if (open.dot(column) > 0.0) information -= column * column.transpose() / open.dot(column);
+  return nearer;
 }
 
 }  // namespace ram_slam

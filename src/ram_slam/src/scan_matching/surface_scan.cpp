@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "ram_slam/geometry/median.hpp"
 
 namespace ram_slam {
 namespace {
@@ -32,20 +35,51 @@ Eigen::Isometry2d toIsometry(const Pose2& pose) {
   return Eigen::Translation2d(pose.translation()) * Eigen::Rotation2Dd(pose.yaw_rad);
 }
 
-/// The neighbours of a point, itself included, as far as they follow each other without a gap.
+/// Standard deviation of a reading: of the distance, along the beam, from the middle one of three
+/// neighbours to the line through the other two. By the median, as edges are no noise.
+double readingDeviation(const std::vector<SurfacePoint>& ends,
+                        const std::vector<float>& max_gaps_m) {
+  std::vector<float> misfits_m;
+  misfits_m.reserve(ends.size());
+  for (std::size_t i = 1; i + 1 < ends.size(); ++i) {
+    const SurfacePoint& before = ends[i - 1];
+    const SurfacePoint& end = ends[i];
+    const SurfacePoint& after = ends[i + 1];
+    const float max_squared_gap = max_gaps_m[i] * max_gaps_m[i];
+    if (std::max(squaredDistance(before, end), squaredDistance(end, after)) > max_squared_gap)
+      continue;
+    const Eigen::Vector2f line(after.x_m - before.x_m, after.y_m - before.y_m);
+    const float offset = line.x() * (end.y_m - before.y_m) - line.y() * (end.x_m - before.x_m);
+    const float facing = line.x() * end.y_m - line.y() * end.x_m;
+    if (facing != 0.0F)
+      misfits_m.push_back(std::abs(offset / facing) * std::hypot(end.x_m, end.y_m));
+  }
+  if (misfits_m.empty()) return 0.0;
+  constexpr double kVariance = 1.5;  // of the misfit, over that of a reading
+  return kDeviationPerMedian / std::sqrt(kVariance) * median(std::move(misfits_m));
+}
+
+/// The neighbours of a point, itself included, as far as they follow each other without a gap and
+/// are within the window.
 Sums sumNeighbours(const std::vector<SurfacePoint>& ends,
                    std::size_t index,
                    float max_gap_m,
-                   int neighbour_count) {
+                   float window_m,
+                   const SurfaceParameters& parameters) {
   const float max_squared_gap = max_gap_m * max_gap_m;
+  const float squared_window = window_m * window_m;
+  const auto least = static_cast<std::size_t>(parameters.neighbour_count);
+  const auto most = static_cast<std::size_t>(parameters.max_neighbour_count);
   Sums sums;
   sums.add(ends[index], ends[index]);
-  for (std::size_t i = index; i + 1 < ends.size() && i < index + neighbour_count; ++i) {
+  for (std::size_t i = index; i + 1 < ends.size() && i < index + most; ++i) {
     if (squaredDistance(ends[i], ends[i + 1]) > max_squared_gap) break;
+    if (i >= index + least && squaredDistance(ends[index], ends[i + 1]) > squared_window) break;
     sums.add(ends[i + 1], ends[index]);
   }
-  for (std::size_t i = index; i > 0 && i + neighbour_count > index; --i) {
+  for (std::size_t i = index; i > 0 && i + most > index; --i) {
     if (squaredDistance(ends[i], ends[i - 1]) > max_squared_gap) break;
+    if (i + least <= index && squaredDistance(ends[index], ends[i - 1]) > squared_window) break;
     sums.add(ends[i - 1], ends[index]);
   }
   return sums;
@@ -55,6 +89,7 @@ Sums sumNeighbours(const std::vector<SurfacePoint>& ends,
 /// point if they do not lie on a line.
 SurfacePoint fitLine(const SurfacePoint& end,
                      const Sums& sums,
+                     double max_deviation_m,
                      const SurfaceParameters& parameters) {
   if (sums.count < parameters.min_line_points) return end;
   const double mean_x = sums.x / sums.count;
@@ -65,7 +100,6 @@ SurfacePoint fitLine(const SurfacePoint& end,
   const double half_difference = std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
   const double along = 0.5 * (xx + yy) + half_difference;
   const double across = std::max(0.0, 0.5 * (xx + yy) - half_difference);
-  const double max_deviation_m = parameters.max_line_deviation_m;
   const double min_elongation = parameters.min_line_elongation;
   const bool is_line = across <= max_deviation_m * max_deviation_m &&
                        along >= min_elongation * min_elongation * across;
@@ -100,13 +134,24 @@ const ram_parameters::ParameterTable<SurfaceParameters>& SurfaceParameters::tabl
       ParameterTable<P>()
           .heading("Lines in a scan")
           .add("neighbour_count", &P::neighbour_count, "", within(2, 100),
-               "Beams on each side that a line is fitted through.")
+               "Beams on each side that a line is fitted through, at least.")
+          .add("max_neighbour_count", &P::max_neighbour_count, "", within(2, 100),
+               "The same, at most.")
+          .rule(&P::max_neighbour_count, ">= neighbour_count",
+                [](const P& p) { return p.max_neighbour_count >= p.neighbour_count; })
+          .add("window_m", &P::window_m, "m", positive(),
+               "Between these, a line is fitted through the readings up to this distance to each "
+               "side.")
           .add("max_gap_m", &P::max_gap_m, "m", positive(),
                "Greatest distance between neighbours of one surface.")
           .add("max_line_deviation_m", &P::max_line_deviation_m, "m", positive(),
                "Standard deviation of the readings from their line.")
           .add("max_range_m", &P::max_range_m, "m", positive(), "Readings beyond are not used.")
           .expert("Lines in a scan: details")
+          .add("window_in_deviations", &P::window_in_deviations, "", atLeast(0.0),
+               "window_m grows to so many standard deviations of the scan's readings.")
+          .add("max_line_in_deviations", &P::max_line_in_deviations, "", atLeast(0.0),
+               "max_line_deviation_m grows to so many standard deviations of the scan's readings.")
           .add("max_gap_in_beams", &P::max_gap_in_beams, "", positive(),
                "Far away max_gap_m grows to so many times the distance of neighbouring beams on a "
                "facing wall.")
@@ -161,9 +206,14 @@ SurfaceScan extractSurfaces(const LaserScan& scan,
         std::max(static_cast<float>(parameters.max_gap_m), beam_gap * scan.ranges_m[beam]));
   }
   surfaces.points.reserve(ends.size());
+  const double deviation_m = readingDeviation(ends, max_gaps_m);
+  const auto window_m = static_cast<float>(
+      std::max(parameters.window_m, parameters.window_in_deviations * deviation_m));
+  const double max_line_deviation_m =
+      std::max(parameters.max_line_deviation_m, parameters.max_line_in_deviations * deviation_m);
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    const Sums sums = sumNeighbours(ends, i, max_gaps_m[i], parameters.neighbour_count);
-    surfaces.points.push_back(fitLine(ends[i], sums, parameters));
+    const Sums sums = sumNeighbours(ends, i, max_gaps_m[i], window_m, parameters);
+    surfaces.points.push_back(fitLine(ends[i], sums, max_line_deviation_m, parameters));
   }
   return surfaces;
 }

@@ -38,6 +38,18 @@ TEST(WheelBias, OfWornAndUnequalWheelsIsLearnedWithinSomeMetres) {
   EXPECT_LT(std::abs(error.yaw_rad), 1e-3);
 }
 
+TEST(WheelBias, IsLearnedFromWhatWasMeasuredNotFromWhatRepeatsTheWheels) {
+  // In every second interval nothing is measured: what is observed is what was learned before, less
+  // a little. By itself that would go on for ever.
+  WheelBias bias;
+  const Pose2 wheels{0.3, 0.0, 0.0};
+  for (int i = 0; i < 500; ++i) {
+    bias.add(wheels, {0.3 * 0.98, 0.0, 0.0}, 0.9);
+    bias.add(wheels, {0.3 * (bias.distanceRatio() - 0.02), 0.0, 0.0}, 0.0);
+  }
+  EXPECT_NEAR(bias.distanceRatio(), 0.98, 1e-3);
+}
+
 TEST(WheelBias, IsTheSameBackwards) {
   WheelBias bias;
   for (int i = 0; i < 200; ++i) {

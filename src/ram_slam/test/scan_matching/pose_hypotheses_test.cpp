@@ -68,6 +68,16 @@ TEST(PoseHypotheses, StayWithTheWheelsThatLeadWhereNothingWasSeenYet) {
   EXPECT_LT(distance(best.match.map_from_laser, truth), 0.1);
 }
 
+TEST(PoseHypotheses, FindATurnInACorridorAndLeaveThePlaceAlongItOpen) {
+  // The walls show how far the robot turned, and nothing of where it is along them.
+  const Pose2 truth{-0.9, 0.1, 1.0};
+  const auto best = chosen(kCorridor, truth, prior({-0.9, 0.1, 0.3}, 0.02, 0.02));
+  EXPECT_NEAR(best.match.map_from_laser.yaw_rad, truth.yaw_rad, 0.01);
+  EXPECT_NEAR(best.match.map_from_laser.y_m, truth.y_m, 0.01);
+  const Eigen::Matrix3d& information = best.match.information;
+  EXPECT_LT(information(0, 0), 1e-2 * information(1, 1));
+}
+
 TEST(PoseHypotheses, PreciseWheelsNeedMoreEvidenceAgainstThem) {
   const SurfaceScan reference = extractSurfaces(scanWalls(kRoom, {}, 1), {});
   const PoseHypotheses::Settings settings;

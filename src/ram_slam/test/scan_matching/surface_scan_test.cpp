@@ -39,6 +39,46 @@ TEST(ExtractSurfaces, NoiseAcrossAWallIsReducedByTheFit) {
   EXPECT_LT(fitted, 0.5 * readings);
 }
 
+/// Share of a scan's points that lie on a line, and the standard deviation of its normals.
+std::pair<double, double> normalsOf(const Walls& walls,
+                                    const Eigen::Vector2d& normal,
+                                    const TestLaser& laser) {
+  const SurfaceScan surfaces = extractSurfaces(scanWalls(walls, {}, 1, laser), {});
+  double count = 0.0;
+  double squares = 0.0;
+  for (const SurfacePoint& point : surfaces.points) {
+    if (!point.hasNormal()) continue;
+    count += 1.0;
+    squares += std::pow(point.normal_x * normal.y() - point.normal_y * normal.x(), 2);
+  }
+  return {count / static_cast<double>(surfaces.points.size()), std::sqrt(squares / count)};
+}
+
+TEST(ExtractSurfaces, NoisyReadingsAreFittedThroughMoreOfThem) {
+  TestLaser noisy;
+  noisy.range_deviation_m = 0.03;
+  const auto [share, deviation_rad] = normalsOf({{{2.0, -1.0}, {2.0, 1.0}}}, {-1.0, 0.0}, noisy);
+  EXPECT_GT(share, 0.9);
+  // Slope of least squares through readings over 0.6 m, 3.5 cm apart.
+  EXPECT_LT(deviation_rad, 1.5 * 0.03 / (0.17 * std::sqrt(17.0)));
+}
+
+TEST(ExtractSurfaces, SparseReadingsAreFittedThroughFewOfThem) {
+  // With a beam each 3 degrees a niche of 1 m has few readings; they must not be mixed with those
+  // of the wall beside it.
+  TestLaser sparse;
+  sparse.beam_count = 61;
+  const Walls walls{
+      {{3.0, -6.0}, {3.0, -0.5}}, {{2.6, -0.5}, {2.6, 0.6}}, {{3.0, 0.6}, {3.0, 6.0}}};
+  const SurfaceScan surfaces = extractSurfaces(scanWalls(walls, {}, 1, sparse), {});
+  int on_niche = 0;
+  for (const SurfacePoint& point : surfaces.points) {
+    if (point.hasNormal() && std::abs(point.x_m - 2.6) < 0.01 && point.normal_x < -0.999)
+      ++on_niche;
+  }
+  EXPECT_GE(on_niche, 1);
+}
+
 TEST(ExtractSurfaces, BeamsKnowTheirPointOrThatOfTheNextHit) {
   const LaserScan scan = scanWalls({{{3.0, -1.0}, {3.0, 1.0}}}, {}, 1);
   const SurfaceScan surfaces = extractSurfaces(scan, SurfaceParameters{});
@@ -86,6 +126,9 @@ TEST(SurfaceParameters, RefuseValuesOutOfBounds) {
   EXPECT_NO_THROW(SurfaceParameters{}.validate());
   SurfaceParameters parameters;
   parameters.neighbour_count = 1;
+  EXPECT_THROW(parameters.validate(), std::invalid_argument);
+  parameters = {};
+  parameters.max_neighbour_count = 2;  // fewer than neighbour_count
   EXPECT_THROW(parameters.validate(), std::invalid_argument);
   parameters = {};
   parameters.max_gap_m = 0.0;

@@ -35,16 +35,19 @@ public:
   Pose2 corrected(const Pose2& wheels) const;
 
   /// Takes one interval: the motion of the wheels, and the one observed.
-  void add(const Pose2& wheels, const Pose2& observed);
+  /// \param distance_share  how much of the observed distance was measured without the wheels, in
+  ///   [0, 1]: the rest only repeats what was learned before
+  void add(const Pose2& wheels, const Pose2& observed, double distance_share = 1.0);
 
   double distanceRatio() const;
   double yawPerMetre() const;  ///< [rad/m]
 
 private:
   WheelBiasParameters parameters_;
-  double squares_m2_ = 0.0;          ///< sum of x^2
-  double distance_errors_m2_ = 0.0;  ///< sum of x (observed x - x)
-  double yaw_errors_rad_m_ = 0.0;    ///< sum of x (observed yaw - yaw)
+  double squares_m2_ = 0.0;           ///< sum of x^2
+  double distance_squares_m2_ = 0.0;  ///< sum of x^2, each by its share
+  double distance_errors_m2_ = 0.0;   ///< sum of x (observed x - x), each by its share
+  double yaw_errors_rad_m_ = 0.0;     ///< sum of x (observed yaw - yaw)
 };
 
 }  // namespace ram_slam

@@ -7,6 +7,9 @@
 
 namespace ram_slam {
 
+/// Standard deviation of a normal distribution over its median absolute value.
+constexpr double kDeviationPerMedian = 1.4826;
+
 /// The median; of an even number of values the upper one of the middle two.
 /// \param values  at least one
 template <typename Value>

@@ -9,6 +9,7 @@
 
 #include "ram_slam/calibration/wheel_bias.hpp"
 #include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/motion/motion_noise.hpp"
 #include "ram_slam/scan_matching/laser_odometry_parameters.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
@@ -31,7 +32,9 @@ struct LaserOdometryEstimate {
   /// The scan contradicts the key scans wherever it is placed; the motion is that of the wheels.
   bool contradicts = false;
   bool searched = false;  ///< the scan's pose was searched for: its information counts little
-  /// Standard deviation of the yaw by the scan alone; infinite if it shows nothing.
+  /// Standard deviations along the robot's heading and of the yaw by the scan alone; infinite if it
+  /// shows nothing.
+  double scan_deviation_m = std::numeric_limits<double>::infinity();
   double scan_deviation_rad = std::numeric_limits<double>::infinity();
   /// The scans show a motion that no robot makes, as when it is carried away: the motion is that of
   /// the wheels, and later scans are matched with this one and its followers.
@@ -81,6 +84,7 @@ private:
                               const Pose2& base_from_laser,
                               const std::optional<Pose2>& odom_from_base);
   Prediction predict(std::int64_t stamp_ns, const std::optional<Pose2>& odom_from_base) const;
+  MotionNoise wheelNoise() const;
   ScanMatch match(const SurfaceScan& surfaces,
                   const Pose2& base_from_laser,
                   const Prediction& prediction,

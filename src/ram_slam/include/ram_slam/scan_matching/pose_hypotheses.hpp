@@ -47,6 +47,7 @@ public:
     double slip_probability = 0.01;
     double anywhere_probability = 0.01;  ///< of a slip that leads anywhere
     double slip_variance_factor = 100.0;
+    double contradiction = 0.2;  ///< beyond this a pose does not belong to the scan
     double search_distance_m = 0.5;
   };
   struct Hypothesis {
@@ -69,7 +70,9 @@ public:
   void add(const ScanMatch& match, bool searched = false);
   /// Adds the alignment from a guess.
   void alignFrom(const Pose2& guess, const PosePrior& prior);
-  /// Searches around the prediction and adds what it finds, unless a second place is as likely.
+  /// Searches around the prediction and adds what it finds, unless a second place is as likely. If
+  /// the best pose so far contradicts the scan, and the two places differ along a corridor only, the
+  /// one nearer to the prediction is added, without information about the direction along it.
   void search(double angle_rad);
 
   const Hypothesis& best() const { return best_; }
@@ -81,6 +84,8 @@ private:
   /// The alignment from the best place in the window.
   std::optional<Hypothesis> found(const LikelihoodPyramid& pyramid,
                                   const SearchWindow& window) const;
+  /// Of two places the one nearer to the prediction; which of them it is stays open.
+  Hypothesis nearerOf(const Hypothesis& a, const Hypothesis& b) const;
   double logPrior(const Pose2& map_from_laser) const;
 
   const SurfaceScan& surfaces_;

@@ -23,10 +23,16 @@ struct SurfacePoint {
 
 /// Settings of the line fit.
 struct SurfaceParameters {
-  int neighbour_count = 4;  ///< on each side of a beam
-  double max_gap_m = 0.2;   ///< between neighbours; farther apart they are different things
-  double max_line_deviation_m = 0.03;  ///< standard deviation of the neighbours from their line
-  double max_range_m = 30.0;           ///< readings beyond are not used: too sparse to be lines
+  /// A line is fitted through the neighbours of a beam on each side that are within a window about
+  /// its end, but at least through so many and at most through so many.
+  int neighbour_count = 3;
+  int max_neighbour_count = 12;
+  double window_m = 0.2;               ///< to each side
+  double window_in_deviations = 10.0;  ///< the same of the readings' standard deviation, if larger
+  double max_gap_m = 0.2;  ///< between neighbours; farther apart they are different things
+  double max_line_deviation_m = 0.03;   ///< standard deviation of the neighbours from their line
+  double max_line_in_deviations = 1.7;  ///< the same of the readings' standard deviation, if larger
+  double max_range_m = 30.0;            ///< readings beyond are not used: too sparse to be lines
   /// Gaps up to this many distances of neighbouring beams on a facing wall are none, either.
   double max_gap_in_beams = 4.0;
   int min_line_points = 4;           ///< neighbours that a line needs, the point itself included

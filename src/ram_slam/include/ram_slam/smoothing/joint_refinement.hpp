@@ -20,9 +20,9 @@ struct RefinementParameters {
   double max_angle_rad = 3.2;        ///< between their headings
   double min_inlier_ratio = 0.4;     ///< share of points with a partner; pairs below do not count
 
-  int farthest_neighbour = 8;  ///< each key scan is paired with those 1, 2, 4, .. this back
-  int min_loop_gap = 10;       ///< key scans between a scan and one of another passage
-  int min_passage_gap = 5;     ///< key scans between two of those
+  int farthest_neighbour = 16;  ///< each key scan is paired with those 1, 2, 4, .. this back
+  int min_loop_gap = 10;        ///< key scans between a scan and one of another passage
+  int min_passage_gap = 5;      ///< key scans between two of those
   double damping_information =
       100.0;                  ///< keeps what a pair leaves open where it is: 0.1 m, 0.1 rad
   int solver_iterations = 3;  ///< of the pose graph, per iteration
