@@ -49,12 +49,16 @@ const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::tabl
           .add("match_deviation_rad", &P::match_deviation_rad, "rad", positive(),
                "Standard deviation of the heading.")
           .expert("Choice and alignment of key scans")
+          .add("jump_gap_s", &P::jump_gap_s, "s", positive(),
+               "Where scans are missing for longer the robot may have been carried.")
           .add("jump_inlier_ratio", &P::jump_inlier_ratio, "", within(0.0, 1.0),
-               "A key scan of which a smaller share meets those before was taken elsewhere.")
+               "The same where a smaller share of a key scan meets those before, ...")
+          .add("jump_key_scans", &P::jump_key_scans, "", atLeast(1),
+               "... and of those after it, so many in a row.")
           .add("jump_deviation_m", &P::jump_deviation_m, "m", positive(),
-               "Standard deviation of the motion to such a key scan, per axis.")
+               "Standard deviation of the motion if it was carried, per axis.")
           .add("jump_deviation_rad", &P::jump_deviation_rad, "rad", positive(),
-               "Standard deviation of the turn to such a key scan.")
+               "Standard deviation of the turn if it was carried.")
           .add("view_range_m", &P::view_range_m, "m", positive(),
                "Points farther away do not count for the centre of what a scan sees.")
           .add("path_m_per_rad", &P::path_m_per_rad, "m/rad", atLeast(0.0),
@@ -90,10 +94,13 @@ bool KeyScans::add(const LaserScan& scan,
                                 " ns, not later than the last one, " +
                                 std::to_string(scans_.back().stamp_ns) + " ns");
   }
-  const bool is_key = keys_.empty() || isKeyScan(odom_from_base);
+  const auto gap_ns = static_cast<std::int64_t>(parameters_.jump_gap_s * 1e9);
+  const bool is_after_gap = !scans_.empty() && scan.stamp_ns - scans_.back().stamp_ns > gap_ns;
+  const bool is_key = keys_.empty() || is_after_gap || isKeyScan(odom_from_base);
   if (is_key) {
     addKeyScan(scan.stamp_ns, surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser,
                odom_from_base);
+    keys_.back().may_be_jump |= is_after_gap;
   } else if (isBetweenScan(odom_from_base)) {
     between_scans_.push_back(
         {scans_.size(), surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser});
@@ -147,27 +154,22 @@ void KeyScans::addKeyScan(std::int64_t stamp_ns,
   }
   keys_.push_back(std::move(key));
   if (keys_.size() == 1) return;
-  alignNewest();
+  reviewJumps(alignNewest());
   alignBetweenScans();
 }
 
-void KeyScans::alignNewest() {
+double KeyScans::alignNewest() {
   // The given motion is the prior of the alignment.
   PoseEdge edge = givenEdge(keys_.size() - 1);
   const ScanMatch match =
       matchScan(keys_.back().surfaces, scansBefore(edge.to), {edge.from_from_to, edge.information},
                 edge.from_from_to, matcher_);
-  const bool sees_walls = seesWalls(keys_.back().surfaces) && seesWalls(keys_[edge.from].surfaces);
-  if (sees_walls && match.inlier_ratio < parameters_.jump_inlier_ratio) {
-    keys_.back().is_jump = true;
-    aligned_motion_.push_back(givenEdge(edge.to));
-    return;
-  }
   edge.from_from_to = match.map_from_laser;
   edge.information = withFloor(edge.information + match.information, parameters_.match_deviation_m,
                                parameters_.match_deviation_rad);
   aligned_motion_.push_back(edge);
   keys_.back().map_from_laser = keys_[edge.from].map_from_laser * edge.from_from_to;
+  return match.inlier_ratio;
 }
 
 std::vector<ReferenceScan> KeyScans::scansBefore(std::size_t key) const {
@@ -178,6 +180,26 @@ std::vector<ReferenceScan> KeyScans::scansBefore(std::size_t key) const {
         {&keys_[key - back].surfaces, relativePose(keys_[key - 1], keys_[key - back])});
   }
   return references;
+}
+
+double KeyScans::inlierRatioBefore(std::size_t key) const {
+  const Pose2 guess = relativePose(keys_[key - 1], keys_.back());
+  const PosePrior prior{guess, parameters_.motion_noise.information(guess)};
+  return matchScan(keys_.back().surfaces, scansBefore(key), prior, guess, matcher_).inlier_ratio;
+}
+
+void KeyScans::reviewJumps(double inlier_ratio) {
+  const std::size_t newest = keys_.size() - 1;
+  const std::size_t first = unmet_key_.value_or(newest);
+  if (unmet_key_) inlier_ratio = inlierRatioBefore(first);
+  unmet_key_.reset();
+  const bool see_walls = seesWalls(keys_[newest].surfaces) && seesWalls(keys_[first - 1].surfaces);
+  if (!see_walls || inlier_ratio >= parameters_.jump_inlier_ratio) return;
+  if (newest + 1 - first < static_cast<std::size_t>(parameters_.jump_key_scans)) {
+    unmet_key_ = first;
+  } else {
+    keys_[first].may_be_jump = true;
+  }
 }
 
 PoseEdge KeyScans::givenEdge(std::size_t to) const {
@@ -253,6 +275,7 @@ Pose2 KeyScans::poseByKeyScans(const ScanRecord& scan) const {
   const Pose2 pose = corrected(before);
   if (scan.key + 1 == keys_.size() || scan.stamp_ns == before.stamp_ns) return pose;
   const KeyScan& after = keys_[scan.key + 1];
+  if (after.is_jump) return pose;
   const auto since = static_cast<double>(scan.stamp_ns - before.stamp_ns);
   const auto interval = static_cast<double>(after.stamp_ns - before.stamp_ns);
   return interpolate(pose, corrected(after), since / interval);
@@ -262,11 +285,11 @@ void KeyScans::setPoses(const std::vector<Pose2>& map_from_laser) {
   for (std::size_t i = 0; i < keys_.size(); ++i) keys_[i].map_from_laser = map_from_laser[i];
 }
 
-void KeyScans::moveSinceJump(std::size_t key, const Pose2& map_from_laser) {
-  std::size_t first = key;
-  while (first > 0 && !keys_[first].is_jump) --first;
+void KeyScans::setJump(std::size_t jump, std::size_t key, const Pose2& map_from_laser) {
+  keys_[jump].is_jump = true;
+  aligned_motion_[jump - 1] = givenEdge(jump);
   const Pose2 shift = map_from_laser * keys_[key].map_from_laser.inverse();
-  for (std::size_t i = first; i < keys_.size(); ++i)
+  for (std::size_t i = jump; i < keys_.size(); ++i)
     keys_[i].map_from_laser = shift * keys_[i].map_from_laser;
 }
 

@@ -17,23 +17,6 @@ std::size_t distance(std::size_t a, std::size_t b) {
   return a > b ? a - b : b - a;
 }
 
-/// The key scan up to some path whose view centre is nearest to a place in the map.
-struct NearestView {
-  std::size_t key = 0;
-  double distance_m = std::numeric_limits<double>::infinity();
-};
-
-NearestView nearestView(const std::vector<KeyScan>& key_scans,
-                        const Eigen::Vector2d& place_m,
-                        double max_path_m) {
-  NearestView nearest;
-  for (std::size_t i = 0; i < key_scans.size() && key_scans[i].path_m <= max_path_m; ++i) {
-    const double distance_m = (key_scans[i].viewCentreInMap() - place_m).norm();
-    if (distance_m < nearest.distance_m) nearest = {i, distance_m};
-  }
-  return nearest;
-}
-
 }  // namespace
 
 const ram_parameters::ParameterTable<LoopCloserParameters>& LoopCloserParameters::table() {
@@ -73,10 +56,10 @@ const ram_parameters::ParameterTable<LoopCloserParameters>& LoopCloserParameters
                "By how much the new window may reach beyond it.")
           .add("loop_failed_margin_rad", &P::failed_margin_rad, "rad", atLeast(0.0),
                "By how much the new window may be turned beyond it.")
-          .add("loop_support_path_m", &P::support_path_m, "m", atLeast(0.0),
-               "Path between two places that must agree if no pose is known before.")
           .add("loop_sweep_path_m", &P::sweep_path_m, "m", positive(),
-               "Path along which poses may still have drifted once all loops found are closed.");
+               "Path along which poses may still have drifted once all loops found are closed.")
+          .expert("Search for jumps")
+          .include(&P::jumps, JumpSearchParameters::table(), "loop_jump_");
   return table;
 }
 
@@ -85,6 +68,7 @@ LoopCloser::LoopCloser(const LoopCloserParameters& parameters,
                        const FeatureMatchers& matchers)
     : parameters_(parameters),
       matcher_(matcher),
+      jumps_(parameters.jumps, parameters.search, matcher),
       constellations_(matchers, parameters.constellation_stretch_m) {}
 
 void LoopCloser::addFeatures(const FeatureList& list) {
@@ -180,13 +164,13 @@ bool LoopCloser::tryClosing(const std::vector<KeyScan>& key_scans,
                             const ClosureHandler& on_closure) {
   const auto match = verifyLoop(key_scans, query, matcher_, parameters_.search);
   if (!match || wasOutvoted(key_scans, match->edge)) return false;
-  addClosure(key_scans, *match, false, on_closure);
+  addClosure(key_scans, *match, std::nullopt, on_closure);
   return true;
 }
 
 void LoopCloser::addClosure(const std::vector<KeyScan>& key_scans,
                             const LoopMatch& match,
-                            bool is_bridge,
+                            const std::optional<std::size_t>& jump,
                             const ClosureHandler& on_closure) {
   const KeyScan& old_key = key_scans[match.edge.from];
   const KeyScan& new_key = key_scans[match.edge.to];
@@ -202,7 +186,7 @@ void LoopCloser::addClosure(const std::vector<KeyScan>& key_scans,
   closure.inlier_ratio = match.inlier_ratio;
   closure.is_ambiguous = match.is_ambiguous;
   closure.correction_m = correction.translation().norm();
-  closure.is_bridge = is_bridge;
+  closure.jump = jump;
   closures_.push_back(closure);
   closed_path_m_ = std::max(closed_path_m_, new_key.path_m);
   on_closure(match.edge.to, correction);
@@ -210,75 +194,31 @@ void LoopCloser::addClosure(const std::vector<KeyScan>& key_scans,
 
 bool LoopCloser::searchByShape(const std::vector<KeyScan>& key_scans,
                                const ClosureHandler& on_closure) {
-  const double range_m = parameters_.search.dense.max_range_m;
-  const auto neighbours = static_cast<std::size_t>(parameters_.search.neighbour_count);
-  while (descriptors_.size() < key_scans.size())
-    descriptors_.push_back(describePlace(key_scans[descriptors_.size()].surfaces, range_m));
+  const std::optional<std::size_t> jump = jumps_.possibleJump(key_scans, closures_);
+  if (!jump) return false;
   const std::size_t newest = key_scans.size() - 1;
-  // The key scans about it must all be of this side of the last jump.
-  for (std::size_t i = newest + 1; i-- > 0 && newest - i <= neighbours;) {
-    if (key_scans[i].is_jump) return false;
-  }
-  const std::vector<double> paths_m = pathsTo(newest, key_scans);
-  const bool is_long =
-      parameters_.constellation_path_m > 0.0 &&
-      key_scans[newest].path_m - closed_path_m_ >= parameters_.constellation_path_m;
-  const bool is_lost = std::isinf(paths_m.front());
-  if (!is_lost && !is_long) return false;
-  for (const std::size_t candidate : alikePlaces(key_scans, paths_m)) {
-    if (isSettled(candidate, newest)) continue;
+  for (const std::size_t place : jumps_.alikePlaces(key_scans, *jump)) {
+    if (isSettled(place, newest)) continue;
     const SearchWindow window{parameters_.search.max_view_distance_m, M_PI,
                               parameters_.search.dense.angle_step_rad};
-    const LoopQuery query{candidate, newest, key_scans[candidate].map_from_laser, window};
+    const LoopQuery query{place, newest, key_scans[place].map_from_laser, window};
     const auto match = verifyLoop(key_scans, query, matcher_, parameters_.search);
     if (!match || match->is_ambiguous || wasOutvoted(key_scans, match->edge)) continue;
-    const bool is_supported = isSupported(key_scans, *match);
-    unsupported_.push_back(*match);
-    if (!is_supported) continue;
-    addClosure(key_scans, *match, is_lost, on_closure);
+    const bool agrees = agreesWithPoses(key_scans, *match);
+    if (!agrees && !jumps_.isShownBy(*match, *jump, key_scans)) continue;
+    addClosure(key_scans, *match, agrees ? std::nullopt : jump, on_closure);
     return true;
   }
   return false;
 }
 
-std::vector<std::size_t> LoopCloser::alikePlaces(const std::vector<KeyScan>& key_scans,
-                                                 const std::vector<double>& paths_m) {
-  const std::size_t newest = key_scans.size() - 1;
-  std::vector<std::pair<double, std::size_t>> ranked;
-  for (std::size_t i = 0; i < newest; ++i) {
-    if (paths_m[i] < std::max(parameters_.constellation_path_m, parameters_.search.min_path_m))
-      continue;
-    ranked.emplace_back(-likeness(descriptors_[i], descriptors_[newest]), i);
-  }
-  std::sort(ranked.begin(), ranked.end());
-  std::vector<std::size_t> places;
-  for (const auto& candidate : ranked) {
-    const std::size_t place = candidate.second;
-    if (places.size() == static_cast<std::size_t>(parameters_.verified_candidates)) break;
-    const bool is_other = std::all_of(places.begin(), places.end(), [&](std::size_t other) {
-      return std::abs(key_scans[place].path_m - key_scans[other].path_m) >=
-             parameters_.constellation_step_m;
-    });
-    if (is_other) places.push_back(place);
-  }
-  return places;
-}
-
-bool LoopCloser::isSupported(const std::vector<KeyScan>& key_scans, const LoopMatch& match) const {
-  return std::any_of(unsupported_.begin(), unsupported_.end(), [&](const LoopMatch& other) {
-    const double new_path_m =
-        std::abs(key_scans[match.edge.to].path_m - key_scans[other.edge.to].path_m);
-    const double old_path_m =
-        std::abs(key_scans[match.edge.from].path_m - key_scans[other.edge.from].path_m);
-    if (new_path_m < parameters_.support_path_m || new_path_m > parameters_.constellation_path_m)
-      return false;
-    const Pose2 by_other = relativePose(key_scans[match.edge.from], key_scans[other.edge.from]) *
-                           other.edge.from_from_to *
-                           relativePose(key_scans[other.edge.to], key_scans[match.edge.to]);
-    const SearchWindow window = searchWindow(new_path_m + old_path_m, parameters_.search);
-    const MotionGate same{window.distance_m, window.angle_rad};
-    return !same.isExceededBy(by_other.inverse() * match.edge.from_from_to);
-  });
+bool LoopCloser::agreesWithPoses(const std::vector<KeyScan>& key_scans,
+                                 const LoopMatch& match) const {
+  const double path_m = pathsTo(match.edge.to, key_scans)[match.edge.from];
+  const SearchWindow window = searchWindow(path_m, parameters_.search);
+  const MotionGate same{window.distance_m, window.angle_rad};
+  const Pose2 by_poses = relativePose(key_scans[match.edge.from], key_scans[match.edge.to]);
+  return !same.isExceededBy(by_poses.inverse() * match.edge.from_from_to);
 }
 
 bool LoopCloser::isSettled(std::size_t from, std::size_t to) const {

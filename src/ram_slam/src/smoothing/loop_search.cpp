@@ -131,4 +131,15 @@ SearchWindow searchWindow(double path_m, const LoopSearchParameters& parameters)
   return window;
 }
 
+NearestView nearestView(const std::vector<KeyScan>& key_scans,
+                        const Eigen::Vector2d& place_m,
+                        double max_path_m) {
+  NearestView nearest;
+  for (std::size_t i = 0; i < key_scans.size() && key_scans[i].path_m <= max_path_m; ++i) {
+    const double distance_m = (key_scans[i].viewCentreInMap() - place_m).norm();
+    if (distance_m < nearest.distance_m) nearest = {i, distance_m};
+  }
+  return nearest;
+}
+
 }  // namespace ram_slam

@@ -40,8 +40,8 @@ LoopCloser::ClosureHandler MapSmoother::closureHandler() {
 }
 
 void MapSmoother::onClosure(std::size_t key, const Pose2& correction) {
-  if (loops_.closures().back().is_bridge) {
-    key_scans_.moveSinceJump(key, key_scans_.keys()[key].map_from_laser * correction);
+  if (const std::optional<std::size_t>& jump = loops_.closures().back().jump) {
+    key_scans_.setJump(*jump, key, key_scans_.keys()[key].map_from_laser * correction);
     has_correction_ = true;
   }
   const MotionGate solve_beyond{parameters_.solve_distance_m, parameters_.solve_angle_rad};

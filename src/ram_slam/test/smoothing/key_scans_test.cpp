@@ -135,43 +135,82 @@ TEST(KeyScans, FollowTheGivenMotionWhereNothingIsSeen) {
   }
 }
 
-/// Two stretches of a drive through rooms that have nothing in common.
-KeyScans carriedAway() {
+constexpr double kStep_m = 0.1;
+
+/// A drive through one room, then along `count` poses through another that has nothing in common
+/// with it, and on through the first one.
+KeyScans carriedAway(int count, std::int64_t gap_ns = 1) {
   std::vector<Pose2> poses = thereAndBack(10);
   KeyScans scans = scansAt(pillarRoom(), poses, poses);
   TestLaser laser;
   laser.field_of_view_rad = 2.0 * M_PI * 359.0 / 360.0;
   laser.beam_count = 360;
-  for (int i = 1; i <= 10; ++i) {
-    const Pose2 pose{0.1 * i, 0.0, 0.0};
-    scans.add(scanWalls(rectangle(-5.3, -1.1, 2.9, 9.4), pose, 10'000'000'000 + i, laser), {},
-              pose);
+  for (int i = 1; i <= 20; ++i) {
+    const Pose2 pose = poses.back() * Pose2{kStep_m * i, 0.0, 0.0};
+    const Walls walls = i <= count ? rectangle(-5.3, -1.1, 2.9, 9.4) : pillarRoom();
+    scans.add(scanWalls(walls, pose, 10'000'000'000 + gap_ns + i, laser), {}, pose);
   }
   return scans;
 }
 
-TEST(KeyScans, KnowThatTheRobotWasCarriedAway) {
-  const KeyScans scans = carriedAway();
-  int jumps = 0;
-  for (std::size_t i = 1; i < scans.keys().size(); ++i) {
-    if (!scans.keys()[i].is_jump) continue;
-    ++jumps;
-    EXPECT_LT(scans.alignedMotion()[i - 1].information(0, 0), 1.0);
-    EXPECT_LT(scans.givenMotion()[i - 1].information(2, 2), 1.0);
+std::vector<std::size_t> possibleJumps(const KeyScans& scans) {
+  std::vector<std::size_t> jumps;
+  for (std::size_t i = 0; i < scans.keys().size(); ++i) {
+    if (scans.keys()[i].may_be_jump) jumps.push_back(i);
   }
-  EXPECT_EQ(jumps, 1);
+  return jumps;
 }
 
-TEST(KeyScans, MoveThePartOfTheDriveSinceAJump) {
-  KeyScans scans = carriedAway();
+TEST(KeyScans, SuspectThatTheRobotWasCarriedWhereNoScanMeetsThoseBefore) {
+  const KeyScans scans = carriedAway(20);
+  ASSERT_EQ(possibleJumps(scans).size(), 1U);
+  const std::size_t jump = possibleJumps(scans).front();
+  EXPECT_FALSE(scans.keys()[jump].is_jump);
+  EXPECT_GE(scans.keys()[jump].stamp_ns, 10'000'000'000);
+}
+
+TEST(KeyScans, DoNotSuspectItForOneScanThatMeetsNothing) {
+  EXPECT_THAT(possibleJumps(carriedAway(4)), testing::IsEmpty());
+}
+
+TEST(KeyScans, SuspectItWhereScansAreMissingForLongAndKeepTheFirstOneAfterwards) {
+  const KeyScans scans = carriedAway(0, 20'000'000'000);
+  ASSERT_EQ(possibleJumps(scans).size(), 1U);
+  EXPECT_EQ(scans.keys()[possibleJumps(scans).front()].stamp_ns, 30'000'000'001);
+  EXPECT_THAT(possibleJumps(carriedAway(0)), testing::IsEmpty());
+}
+
+TEST(KeyScans, ForgetTheMotionOfAJumpAndMoveThePartOfTheDriveSince) {
+  KeyScans scans = carriedAway(20);
   const std::vector<KeyScan> before = scans.keys();
+  const std::size_t jump = possibleJumps(scans).front();
   const std::size_t last = before.size() - 1;
+  EXPECT_GT(scans.alignedMotion()[jump - 1].information(0, 0), 1.0);
   const Pose2 target{7.0, -2.0, 1.0};
-  scans.moveSinceJump(last, target);
+  scans.setJump(jump, last, target);
+  EXPECT_TRUE(scans.keys()[jump].is_jump);
+  EXPECT_LT(scans.alignedMotion()[jump - 1].information(0, 0), 1.0);
+  EXPECT_LT(scans.givenMotion()[jump - 1].information(2, 2), 1.0);
   EXPECT_NEAR(scans.keys()[last].map_from_laser.x_m, target.x_m, 1e-9);
-  EXPECT_EQ(scans.keys()[0].map_from_laser.x_m, before[0].map_from_laser.x_m);
+  EXPECT_EQ(scans.keys()[jump - 1].map_from_laser.x_m, before[jump - 1].map_from_laser.x_m);
   const Pose2 step = relativePose(scans.keys()[last - 1], scans.keys()[last]);
   EXPECT_NEAR(step.x_m, relativePose(before[last - 1], before[last]).x_m, 1e-9);
+}
+
+TEST(KeyScans, PutScansBeforeAJumpWhereTheKeyScanBeforeItIs) {
+  KeyScans scans = carriedAway(0, 20'000'000'000);
+  const std::size_t jump = possibleJumps(scans).front();
+  const std::vector<StampedPose2> before = scans.trajectory();
+  scans.setJump(jump, jump, {50.0, 0.0, 0.0});
+  const std::vector<StampedPose2> after = scans.trajectory();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const double moved_m = (after[i].pose.translation() - before[i].pose.translation()).norm();
+    if (before[i].stamp_ns < scans.keys()[jump].stamp_ns) {
+      EXPECT_LT(moved_m, 0.1);
+    } else {
+      EXPECT_GT(moved_m, 40.0);
+    }
+  }
 }
 
 TEST(KeyScans, RelativePoseIsThatOfTheSecondSeenFromTheFirst) {

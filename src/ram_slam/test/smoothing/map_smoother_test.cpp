@@ -282,8 +282,7 @@ TEST(MapSmoother, HasNoTrajectoryBeforeTheFirstScan) {
 TEST(MapSmoother, JoinsThePartsOfADriveBetweenWhichTheRobotWasCarried) {
   // A second round begins elsewhere, in another heading; the wheels know nothing of it.
   MapSmootherParameters parameters;
-  parameters.key_scans.jump_inlier_ratio = 0.5;  // corridors have much in common
-  parameters.loops.support_path_m = 5.0;
+  parameters.loops.jumps.support_path_m = 5.0;
   parameters.optimize_period_s = 0.0;
   std::vector<Pose2> truth = rounds(1);
   std::vector<Pose2> odometry = truth;
@@ -295,15 +294,32 @@ TEST(MapSmoother, JoinsThePartsOfADriveBetweenWhichTheRobotWasCarried) {
   }
   MapSmoother smoother(parameters);
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
+    const std::int64_t gap_ns = i < first_count ? 0 : 60'000'000'000;
+    const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000 + gap_ns;
     smoother.addScan(scanWalls(building(), truth[i] * kMount, stamp_ns), kMount, odometry[i]);
   }
   smoother.optimize();
   int bridges = 0;
-  for (const LoopClosure& closure : smoother.closures()) bridges += closure.is_bridge ? 1 : 0;
+  for (const LoopClosure& closure : smoother.closures()) bridges += closure.jump ? 1 : 0;
   EXPECT_EQ(bridges, 1);
   const std::vector<StampedPose2> trajectory = smoother.trajectory();
   for (std::size_t i = first_count + 5; i < truth.size(); i += 10)
+    EXPECT_LT((trajectory[i].pose.translation() - truth[i].translation()).norm(), 0.1) << i;
+}
+
+TEST(MapSmoother, KnowsAfterAPauseThatTheRobotWasNotCarried) {
+  MapSmoother smoother{MapSmootherParameters()};
+  const std::vector<Pose2> truth = rounds(2);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const std::int64_t pause_ns = i < truth.size() / 2 ? 0 : 60'000'000'000;
+    const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000 + pause_ns;
+    smoother.addScan(scanWalls(building(), truth[i] * kMount, stamp_ns), kMount, truth[i]);
+  }
+  smoother.optimize();
+  EXPECT_THAT(smoother.closures(), Not(IsEmpty()));
+  for (const LoopClosure& closure : smoother.closures()) EXPECT_FALSE(closure.jump);
+  const std::vector<StampedPose2> trajectory = smoother.trajectory();
+  for (std::size_t i = 0; i < truth.size(); i += 10)
     EXPECT_LT((trajectory[i].pose.translation() - truth[i].translation()).norm(), 0.1) << i;
 }
 

@@ -17,8 +17,11 @@ struct KeyScan {
   Pose2 base_from_laser;
   Pose2 odom_from_laser;  ///< as it was given
   Pose2 map_from_laser;   ///< as it is corrected
-  bool is_jump = false;   ///< nothing measures the motion from the key scan before
-  double path_m = 0.0;    ///< driven up to here, turning counted in
+  /// Before it scans are missing for long, or it does not meet those before: the robot may have
+  /// been carried here.
+  bool may_be_jump = false;
+  bool is_jump = false;  ///< it was: nothing measures the motion from the key scan before
+  double path_m = 0.0;   ///< driven up to here, turning counted in
   /// Mean of the points that it sees near by.
   Eigen::Vector2d view_centre_in_laser_m = Eigen::Vector2d::Zero();
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "ram_parameters/parameter_table.hpp"
@@ -27,10 +28,13 @@ struct KeyScanParameters {
   double match_deviation_m = 0.005;
   double match_deviation_rad = 0.003;
 
-  /// A key scan of which fewer points meet a surface of those before was taken somewhere else: the
-  /// robot was carried, or part of the drive is missing. Two unrelated rooms share less, by chance.
+  /// The robot may have been carried to a key scan if scans are missing before it for so long, or
+  /// if fewer points of it, and of so many after it, meet a surface of those before. Two unrelated
+  /// rooms share less, by chance.
+  double jump_gap_s = 10.0;
   double jump_inlier_ratio = 0.3;
-  /// Standard deviation of the motion then.
+  int jump_key_scans = 3;
+  /// Standard deviation of the motion if it was.
   double jump_deviation_m = 100.0;
   double jump_deviation_rad = 3.0;
 
@@ -68,8 +72,9 @@ public:
 
   /// \param map_from_laser  the pose of each key scan
   void setPoses(const std::vector<Pose2>& map_from_laser);
-  /// Moves all key scans since the last jump at or before one so that this one takes a pose.
-  void moveSinceJump(std::size_t key, const Pose2& map_from_laser);
+  /// The robot was carried to one key scan: the motion to it is unknown, and all key scans from it
+  /// on are moved so that a later one takes a pose.
+  void setJump(std::size_t jump, std::size_t key, const Pose2& map_from_laser);
 
   /// Edges between the laser poses of successive key scans, as they were given.
   std::vector<PoseEdge> givenMotion() const;
@@ -105,7 +110,13 @@ private:
                   const Pose2& base_from_laser,
                   const Pose2& odom_from_base);
   /// Aligns the newest key scan with those before it.
-  void alignNewest();
+  /// \return the share of its points that meet them
+  double alignNewest();
+  /// The share of the newest key scan's points that meet the key scans before another one.
+  double inlierRatioBefore(std::size_t key) const;
+  /// Decides whether the robot may have been carried to one of the last key scans.
+  /// \param inlier_ratio  of the newest one
+  void reviewJumps(double inlier_ratio);
   PoseEdge givenEdge(std::size_t to) const;
   /// Some key scans before one, seen from the last of them.
   std::vector<ReferenceScan> scansBefore(std::size_t key) const;
@@ -121,6 +132,7 @@ private:
   SurfaceParameters surfaces_;
   ScanMatcherParameters matcher_;
   double min_inlier_ratio_;
+  std::optional<std::size_t> unmet_key_;  ///< the first in a row that does not meet those before
   std::vector<ScanRecord> scans_;
   std::vector<BetweenScan> between_scans_;
   std::vector<KeyScan> keys_;

@@ -5,16 +5,18 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/pose_graph/pose_graph.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/smoothing/constellation_memory.hpp"
+#include "ram_slam/smoothing/jump_search.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"
+#include "ram_slam/smoothing/loop_closure.hpp"
 #include "ram_slam/smoothing/loop_search.hpp"
 #include "ram_slam/smoothing/loop_verification.hpp"
-#include "ram_slam/smoothing/place_descriptor.hpp"
 
 namespace ram_slam {
 
@@ -28,6 +30,7 @@ struct LoopCloserParameters {
   double closure_deviation_m = 0.03;
   double closure_deviation_rad = 0.01;
   LoopSearchParameters search;
+  JumpSearchParameters jumps;
 
   double closure_path_m = 0.5;            ///< path that a closure is as good as
   int verified_candidates = 3;            ///< of a key scan, at most
@@ -39,31 +42,9 @@ struct LoopCloserParameters {
   int failed_reach = 2;    ///< the same of a search that failed in a window that covers the new one
   double failed_margin_m = 0.25;  ///< by which the new window may be larger
   double failed_margin_rad = 0.05;
-  /// Path between two places that must agree on where the robot is if no pose is known before.
-  double support_path_m = 12.0;
   double sweep_path_m = 30.0;  ///< once all loops are closed, no pose has drifted by more path
 
   static const ram_parameters::ParameterTable<LoopCloserParameters>& table();
-};
-
-/// What became of a loop closure.
-enum class ClosureState {
-  kAccepted,
-  kOutvoted,  ///< the rest of the graph contradicts it
-  kRefused,   ///< taken back by LoopCloser::refuse()
-};
-
-/// A place that was recognised; the log of the smoother.
-struct LoopClosure {
-  std::int64_t old_stamp_ns = 0;
-  std::int64_t new_stamp_ns = 0;
-  PoseEdge edge;              ///< between laser poses of key scans
-  double score = 0.0;         ///< of the dense search
-  double inlier_ratio = 0.0;  ///< of the alignment
-  double correction_m = 0.0;  ///< how far it moved the newest pose when it was found
-  bool is_bridge = false;     ///< the first one to a part of the drive beyond a jump
-  bool is_ambiguous = false;  ///< along a corridor; the edge then holds the other directions only
-  ClosureState state = ClosureState::kAccepted;
 };
 
 /// Decides when and where loops are searched, and keeps the closures that were found.
@@ -117,17 +98,14 @@ private:
                      double max_path_m,
                      bool is_sweep,
                      const ClosureHandler& on_closure);
-  /// Searches places that look like the newest key scan's, wherever poses put them, if no way leads
-  /// there or there was no closure for long. Two that agree are accepted.
+  /// Searches places that look like the newest key scan's before a possible jump, wherever poses
+  /// put them. If two agree with each other and not with the poses, the robot was carried.
   bool searchByShape(const std::vector<KeyScan>& key_scans, const ClosureHandler& on_closure);
-  /// Key scans that look most like the newest one, one of each stretch.
-  std::vector<std::size_t> alikePlaces(const std::vector<KeyScan>& key_scans,
-                                       const std::vector<double>& paths_m);
-  /// Whether a place found before without a known pose agrees with this one.
-  bool isSupported(const std::vector<KeyScan>& key_scans, const LoopMatch& match) const;
+  /// Whether the poses put the key scans of a match where it does, as far as drift allows.
+  bool agreesWithPoses(const std::vector<KeyScan>& key_scans, const LoopMatch& match) const;
   void addClosure(const std::vector<KeyScan>& key_scans,
                   const LoopMatch& match,
-                  bool is_bridge,
+                  const std::optional<std::size_t>& jump,
                   const ClosureHandler& on_closure);
   /// Searches the place that the recent features recognise, if there is one.
   void searchByFeatures(const std::vector<KeyScan>& key_scans, const ClosureHandler& on_closure);
@@ -147,12 +125,11 @@ private:
 
   LoopCloserParameters parameters_;
   ScanMatcherParameters matcher_;
+  JumpSearch jumps_;
   ConstellationMemory constellations_;
   std::deque<FeatureList> features_;  // of recent scans, in the order of their stamps
   std::vector<LoopClosure> closures_;
   std::vector<FailedSearch> failed_searches_;
-  std::vector<PlaceDescriptor> descriptors_;  // of the key scans
-  std::vector<LoopMatch> unsupported_;        // found without a known pose
   double searched_path_m_ = 0.0;
   double closed_path_m_ = 0.0;  // of the newest key scan with a closure, or constellation search
 };

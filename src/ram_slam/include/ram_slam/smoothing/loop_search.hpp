@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "ram_parameters/parameter_table.hpp"
@@ -68,5 +69,16 @@ std::vector<std::size_t> findLoopCandidates(const std::vector<KeyScan>& key_scan
 
 /// Where a key scan is searched that may have drifted along so much path.
 SearchWindow searchWindow(double path_m, const LoopSearchParameters& parameters);
+
+/// The key scan whose view centre is nearest to a place in the map.
+struct NearestView {
+  std::size_t key = 0;
+  double distance_m = std::numeric_limits<double>::infinity();
+};
+
+/// \param max_path_m  key scans farther along the path are not considered
+NearestView nearestView(const std::vector<KeyScan>& key_scans,
+                        const Eigen::Vector2d& place_m,
+                        double max_path_m);
 
 }  // namespace ram_slam
