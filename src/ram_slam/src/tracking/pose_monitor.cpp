@@ -19,11 +19,11 @@ void addInconsistency(ParameterTable<PoseMonitorParameters>& table) {
       .add(
           "max_inconsistency_s", &P::max_inconsistency_s, "s", positive(),
           "The share of contradiction beyond `contradiction` adds up over time; with so much of it "
-          "a robot whose pose is newly set is lost, ...")
+          "a robot whose place was newly found in the map is lost, ...")
       .add("max_inconsistency_tracked_s", &P::max_inconsistency_tracked_s, "s", positive(),
-           "... with so much a tracked one.")
+           "... with so much one whose pose comes from odometry, which drifts.")
       .add("tracked_threshold_factor", &P::tracked_threshold_factor, "", atLeast(1.0),
-           "By which `contradiction` is larger while the robot is tracked.")
+           "By which `contradiction` is larger for the latter.")
       .add("landmarks_for_trust", &P::landmarks_for_trust, "", atLeast(1),
            "A tracked robot is not lost by its views while so many landmarks are expected ...")
       .add("quality_for_trust", &P::quality_for_trust, "", within(0.0, 1.0),
@@ -140,7 +140,7 @@ bool PoseMonitor::viewsContradictMap(const Pose& pose, MapViews& map_views) {
       map_views.trackedContradictionRatio(*now.view, pose.map_from_base, pose.path_m).value_or(0.0);
   inconsistency_s_ =
       std::max(0.0, inconsistency_s_ + since_s * (ratio - contradictionThreshold(pose.source)));
-  const bool tracked = pose.source == PoseSource::kTracking;
+  const bool tracked = pose.source != PoseSource::kMap;
   const bool landmarks_agree = agreement_.expected_count >= parameters_.landmarks_for_trust &&
                                agreement_.quality() >= parameters_.quality_for_trust;
   if (tracked && landmarks_agree) inconsistency_s_ = 0.0;
@@ -152,7 +152,7 @@ bool PoseMonitor::viewsContradictMap(const Pose& pose, MapViews& map_views) {
 }
 
 double PoseMonitor::contradictionThreshold(PoseSource source) const {
-  return (source == PoseSource::kTracking ? parameters_.tracked_threshold_factor : 1.0) *
+  return (source == PoseSource::kMap ? 1.0 : parameters_.tracked_threshold_factor) *
          parameters_.contradiction_threshold;
 }
 

@@ -58,6 +58,16 @@ TEST_F(Monitored, IsContradictedSoonAtAPlaceThatWasFoundNewly) {
   EXPECT_EQ(monitor_.inconsistency_s(), 0.0);  // it begins again
 }
 
+TEST_F(Monitored, DriftsWithOdometryWhoseContradictionNeedsMoreEvidence) {
+  const int from_map = countUntilFound(here_, wrong_, PoseSource::kMap, 100);
+  monitor_.clear();
+  const int tracked = countUntilFound(here_, wrong_, PoseSource::kTracking, 100);
+  monitor_.clear();
+  const int from_odometry = countUntilFound(here_, wrong_, PoseSource::kOdometry, 100);
+  EXPECT_GT(tracked, 2 * from_map);
+  EXPECT_EQ(from_odometry, tracked);
+}
+
 TEST_F(Monitored, AddsUpInconsistencyAndLetsItFade) {
   check(here_, wrong_, PoseSource::kMap);
   check(here_, wrong_, PoseSource::kMap);
