@@ -71,8 +71,8 @@ public:
   /// Adds the alignment from a guess.
   void alignFrom(const Pose2& guess, const PosePrior& prior);
   /// Searches around the prediction and adds what it finds, unless a second place is as likely. If
-  /// the best pose so far contradicts the scan, and the two places differ along a corridor only, the
-  /// one nearer to the prediction is added, without information about the direction along it.
+  /// the best pose so far contradicts the scan, and the two places differ along a corridor only,
+  /// the one nearer to the prediction is added, without information about the direction along it.
   void search(double angle_rad);
 
   const Hypothesis& best() const { return best_; }
