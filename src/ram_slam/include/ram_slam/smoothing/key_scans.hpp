@@ -40,7 +40,7 @@ struct KeyScanParameters {
 
   double view_range_m = 8.0;    ///< points farther away do not count for the view centre
   double path_m_per_rad = 0.5;  ///< turning counts as path: odometry drifts by it, too
-  int farthest_reference = 16;  ///< a new key scan is aligned with those 1, 2, 4, .. this back
+  int farthest_reference = 4;   ///< a new key scan is aligned with those 1, 2, 4, .. this back
   /// Of the scans between two key scans those are aligned, too, that are so far from each other.
   double between_distance_m = 0.05;
   double between_angle_rad = 0.05;
