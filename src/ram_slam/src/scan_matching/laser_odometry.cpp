@@ -273,14 +273,14 @@ bool LaserOdometry::areStuck(const std::optional<Pose2>& wheels, const Pose2& od
 }
 
 std::vector<ReferenceScan> LaserOdometry::references() const {
-  // The last, and others ever farther back: near enough to overlap, and far enough apart to hold
-  // the drift.
+  // The last, and others ever farther back: near enough to overlap, far enough apart to hold the
+  // drift.
   std::vector<ReferenceScan> chosen;
   std::size_t back = 1;
   for (int i = 0; i < parameters_.reference_count && back <= key_scans_.size(); ++i) {
     const KeyScan& key = key_scans_[key_scans_.size() - back];
     chosen.push_back({&key.surfaces, key.odom_from_laser});
-    back = 2 * back + 1;
+    back += static_cast<std::size_t>(i + 1);
   }
   return chosen;
 }
