@@ -8,9 +8,11 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <Eigen/LU>
 #include <ram_slam/estimation/fast_slam_estimator.hpp>
+#include <ram_slam/geometry/median.hpp>
 #include <ram_slam/stages/smoothing_stage.hpp>
 #include <ramscout_kinematics/kinematics.hpp>
 
@@ -38,9 +40,7 @@ Eigen::Vector2d medianPlace(const std::vector<Sighting>& sightings) {
     xs.push_back(sighting.place_m.x());
     ys.push_back(sighting.place_m.y());
   }
-  std::nth_element(xs.begin(), xs.begin() + xs.size() / 2, xs.end());
-  std::nth_element(ys.begin(), ys.begin() + ys.size() / 2, ys.end());
-  return {xs[xs.size() / 2], ys[ys.size() / 2]};
+  return {ram_slam::median(std::move(xs)), ram_slam::median(std::move(ys))};
 }
 
 ram_slam::EstimatorFactory estimatorFactory(const SlamParameters& parameters, Judged judged) {

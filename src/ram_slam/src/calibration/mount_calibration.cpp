@@ -77,7 +77,6 @@ void markOutliers(std::vector<Interval>& intervals,
       if (isTurn(intervals[i], parameters) == turn) of_kind.push_back(errors[i]);
     }
     if (of_kind.empty()) continue;
-    // 1.4826 median absolute errors are one standard deviation of a normal distribution.
     const double limit = parameters.outlier_deviations *
                          std::max(parameters.min_deviation, kDeviationPerMedian * median(of_kind));
     for (std::size_t i = 0; i < intervals.size(); ++i) {

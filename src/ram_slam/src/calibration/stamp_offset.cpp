@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -59,12 +60,11 @@ public:
 
   double ratio(Eigen::Index offset) const { return ratios_[offset]; }
 
-  /// Robust variance of the residuals at one offset: (1.4826 median |r|)^2.
+  /// Robust variance of the residuals at one offset, by their median.
   double variance(Eigen::Index offset) const {
-    Eigen::VectorXd sizes = residuals(offset).cwiseAbs();
-    double* const middle = sizes.data() + sizes.size() / 2;
-    std::nth_element(sizes.data(), middle, sizes.data() + sizes.size());
-    return std::pow(kDeviationPerMedian * *middle, 2);
+    const Eigen::VectorXd sizes = residuals(offset).cwiseAbs();
+    return std::pow(kDeviationPerMedian * median(std::vector<double>(sizes.begin(), sizes.end())),
+                    2);
   }
 
   /// The ratio of turns at each offset, by one step of reweighted least squares.

@@ -80,9 +80,9 @@ std::vector<std::size_t> JumpSearch::alikePlaces(const std::vector<KeyScan>& key
   return places;
 }
 
-bool JumpSearch::isShownBy(const LoopMatch& match,
-                           std::size_t jump,
-                           const std::vector<KeyScan>& key_scans) {
+bool JumpSearch::isShownBy(const std::vector<KeyScan>& key_scans,
+                           const LoopMatch& match,
+                           std::size_t jump) {
   const bool is_supported = isSupported(key_scans, match, jump);
   unsupported_.push_back(match);
   return is_supported && fitsSinceJump(key_scans, match, jump);
@@ -98,9 +98,7 @@ bool JumpSearch::isSupported(const std::vector<KeyScan>& key_scans,
     const double old_path_m =
         std::abs(key_scans[match.edge.from].path_m - key_scans[other.edge.from].path_m);
     if (new_path_m < parameters_.support_path_m) return false;
-    const Pose2 by_other = relativePose(key_scans[match.edge.from], key_scans[other.edge.from]) *
-                           other.edge.from_from_to *
-                           relativePose(key_scans[other.edge.to], key_scans[match.edge.to]);
+    const Pose2 by_other = relativePoseBy(other.edge, key_scans, match.edge.from, match.edge.to);
     const SearchWindow window = searchWindow(new_path_m + old_path_m, loops_);
     const MotionGate same{window.distance_m, window.angle_rad};
     return !same.isExceededBy(by_other.inverse() * match.edge.from_from_to);

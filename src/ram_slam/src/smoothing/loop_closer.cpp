@@ -130,12 +130,15 @@ bool LoopCloser::searchByPoses(const std::vector<KeyScan>& key_scans,
     if (isSettled(candidate, newest)) continue;
     const SearchWindow window = searchWindow(paths_m[candidate], parameters_.search);
     if (is_sweep && wasSearched(key_scans, candidate, newest, window)) continue;
-    const Pose2 from_from_to = relativePose(key_scans[candidate], key_scans[newest]);
+    PoseEdge centre;
+    centre.from = candidate;
+    centre.to = newest;
+    centre.from_from_to = relativePose(key_scans[candidate], key_scans[newest]);
     const LoopQuery query{candidate, newest, key_scans[newest].map_from_laser, window};
     if (tryClosing(key_scans, query, on_closure)) {
       found = true;
     } else {
-      failed_searches_.push_back({candidate, newest, from_from_to, window});
+      failed_searches_.push_back({centre, window});
     }
   }
   return found;
@@ -205,7 +208,7 @@ bool LoopCloser::searchByShape(const std::vector<KeyScan>& key_scans,
     const auto match = verifyLoop(key_scans, query, matcher_, parameters_.search);
     if (!match || match->is_ambiguous || wasOutvoted(key_scans, match->edge)) continue;
     const bool agrees = agreesWithPoses(key_scans, *match);
-    if (!agrees && !jumps_.isShownBy(*match, *jump, key_scans)) continue;
+    if (!agrees && !jumps_.isShownBy(key_scans, *match, *jump)) continue;
     addClosure(key_scans, *match, agrees ? std::nullopt : jump, on_closure);
     return true;
   }
@@ -237,11 +240,11 @@ bool LoopCloser::wasSearched(const std::vector<KeyScan>& key_scans,
                              const SearchWindow& window) const {
   const auto reach = static_cast<std::size_t>(parameters_.failed_reach);
   return std::any_of(failed_searches_.begin(), failed_searches_.end(), [&](const auto& failed) {
-    if (distance(failed.from, from) > reach || distance(failed.to, to) > reach) return false;
+    const PoseEdge& centre = failed.centre;
+    if (distance(centre.from, from) > reach || distance(centre.to, to) > reach) return false;
     // What was searched then, seen from these two key scans.
-    const Pose2 centre = relativePose(key_scans[from], key_scans[failed.from]) *
-                         failed.from_from_to * relativePose(key_scans[failed.to], key_scans[to]);
-    const Pose2 shift = centre.inverse() * relativePose(key_scans[from], key_scans[to]);
+    const Pose2 searched = relativePoseBy(centre, key_scans, from, to);
+    const Pose2 shift = searched.inverse() * relativePose(key_scans[from], key_scans[to]);
     return shift.translation().norm() + window.distance_m <=
                failed.window.distance_m + parameters_.failed_margin_m &&
            std::abs(shift.yaw_rad) + window.angle_rad <=
@@ -257,9 +260,7 @@ bool LoopCloser::wasOutvoted(const std::vector<KeyScan>& key_scans, const PoseEd
     if (closure.state != ClosureState::kOutvoted) return false;
     if (distance(other.from, edge.from) > reach || distance(other.to, edge.to) > reach)
       return false;
-    const Pose2 by_other = relativePose(key_scans[edge.from], key_scans[other.from]) *
-                           other.from_from_to *
-                           relativePose(key_scans[other.to], key_scans[edge.to]);
+    const Pose2 by_other = relativePoseBy(other, key_scans, edge.from, edge.to);
     return !same.isExceededBy(by_other.inverse() * edge.from_from_to);
   });
 }

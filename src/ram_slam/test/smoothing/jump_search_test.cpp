@@ -101,9 +101,9 @@ TEST(JumpSearch, NeedsTwoPlacesThatAgree) {
   const std::vector<KeyScan> keys = drivenTwice();
   const std::size_t jump = keys.size() / 2;
   JumpSearch search = searchFor();
-  EXPECT_FALSE(search.isShownBy(samePlace(keys, 2), jump, keys));
-  EXPECT_FALSE(search.isShownBy(samePlace(keys, 3), jump, keys));  // beside the first
-  EXPECT_TRUE(search.isShownBy(samePlace(keys, 10), jump, keys));
+  EXPECT_FALSE(search.isShownBy(keys, samePlace(keys, 2), jump));
+  EXPECT_FALSE(search.isShownBy(keys, samePlace(keys, 3), jump));  // beside the first
+  EXPECT_TRUE(search.isShownBy(keys, samePlace(keys, 10), jump));
 }
 
 TEST(JumpSearch, DoesNotBelieveTwoPlacesThatContradictEachOther) {
@@ -112,8 +112,8 @@ TEST(JumpSearch, DoesNotBelieveTwoPlacesThatContradictEachOther) {
   JumpSearch search = searchFor();
   LoopMatch other = samePlace(keys, 10);
   other.edge.from_from_to = {0.0, 0.0, 2.0};
-  EXPECT_FALSE(search.isShownBy(samePlace(keys, 2), jump, keys));
-  EXPECT_FALSE(search.isShownBy(other, jump, keys));
+  EXPECT_FALSE(search.isShownBy(keys, samePlace(keys, 2), jump));
+  EXPECT_FALSE(search.isShownBy(keys, other, jump));
 }
 
 TEST(JumpSearch, DoesNotBelievePlacesWhereTheOtherScansDoNotFit) {
@@ -129,8 +129,8 @@ TEST(JumpSearch, DoesNotBelievePlacesWhereTheOtherScansDoNotFit) {
     match->edge.from_from_to = keys[match->edge.from].map_from_laser.inverse() * old_from_new *
                                keys[match->edge.to].map_from_laser;
   JumpSearch search = searchFor();
-  EXPECT_FALSE(search.isShownBy(first, jump, keys));
-  EXPECT_FALSE(search.isShownBy(second, jump, keys));
+  EXPECT_FALSE(search.isShownBy(keys, first, jump));
+  EXPECT_FALSE(search.isShownBy(keys, second, jump));
 }
 
 }  // namespace

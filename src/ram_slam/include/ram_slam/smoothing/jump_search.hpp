@@ -36,7 +36,7 @@ struct JumpSearchParameters {
 /// A jump is possible where scans are missing for long or do not meet those before
 /// (KeyScan::may_be_jump). The key scans after it are compared with all before it by the shape of
 /// what they see, in any heading. The robot was carried if two places, well apart, agree with each
-/// other and not with the poses, and most other key scans since then fit there, too.
+/// other and not with the poses, and enough of the other key scans since then fit there, too.
 class JumpSearch {
 public:
   JumpSearch(const JumpSearchParameters& parameters,
@@ -53,14 +53,14 @@ public:
 
   /// Whether a match of key scans on both sides of a jump, which contradicts the poses, shows that
   /// the robot was carried; if not it is kept to support later ones.
-  bool isShownBy(const LoopMatch& match, std::size_t jump, const std::vector<KeyScan>& key_scans);
+  bool isShownBy(const std::vector<KeyScan>& key_scans, const LoopMatch& match, std::size_t jump);
 
 private:
   /// Whether a match that was kept agrees with this one.
   bool isSupported(const std::vector<KeyScan>& key_scans,
                    const LoopMatch& match,
                    std::size_t jump) const;
-  /// Whether the match puts most key scans since the jump where they fit, too.
+  /// Whether the match puts enough of the key scans since the jump where they fit, too.
   bool fitsSinceJump(const std::vector<KeyScan>& key_scans,
                      const LoopMatch& match,
                      std::size_t jump) const;

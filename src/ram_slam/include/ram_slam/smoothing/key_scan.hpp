@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "ram_slam/geometry/pose2.hpp"
+#include "ram_slam/pose_graph/pose_graph.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
 
 namespace ram_slam {
@@ -33,6 +36,15 @@ struct KeyScan {
 /// The pose of a key scan's laser, seen from that of another one.
 inline Pose2 relativePose(const KeyScan& from, const KeyScan& to) {
   return from.map_from_laser.inverse() * to.map_from_laser;
+}
+
+/// The same for two key scans beside those of an edge, if the edge is right.
+inline Pose2 relativePoseBy(const PoseEdge& edge,
+                            const std::vector<KeyScan>& key_scans,
+                            std::size_t from,
+                            std::size_t to) {
+  return relativePose(key_scans[from], key_scans[edge.from]) * edge.from_from_to *
+         relativePose(key_scans[edge.to], key_scans[to]);
 }
 
 }  // namespace ram_slam

@@ -86,9 +86,7 @@ public:
 
 private:
   struct FailedSearch {
-    std::size_t from = 0;
-    std::size_t to = 0;
-    Pose2 from_from_to;  ///< the centre of the window
+    PoseEdge centre;  ///< of the window; its information is not used
     SearchWindow window;
   };
 
