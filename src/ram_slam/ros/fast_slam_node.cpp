@@ -7,6 +7,7 @@
 
 #include <geometry_msgs/PoseArray.h>
 #include <nav_msgs/Path.h>
+#include <ram_slam_msgs/Tracking.h>
 #include <std_msgs/Bool.h>
 
 #include "ram_slam/io/atomic_file.hpp"
@@ -15,7 +16,7 @@
 #include "ram_slam/ros/occupancy_conversions.hpp"
 #include "ram_slam/stages/clock_guard.hpp"
 #include "ram_slam/world_map/landmark_layer.hpp"
-#include "ram_slam/world_map/world_map_file.hpp"
+#include "ram_slam/world_map/map_folder.hpp"
 
 #include "node_defaults.hpp"
 
@@ -37,6 +38,20 @@ ram_slam::EstimatorFactory readEstimator(ram_parameters::ParameterReader& reader
   return ram_slam::findEstimator(name)(reader, matchers.matchers());
 }
 
+/// The estimators of a node that begins with a map made before, if it does.
+ram_slam::EstimatorFactory startingInInitialMap(
+    ram_slam::EstimatorFactory make, const ram_slam::FastSlamNodeParameters& parameters) {
+  if (parameters.initial_map.empty()) return make;
+  const ram_slam::WorldMap world =
+      ram_slam::loadWorldMap(ram_slam::expandHome(parameters.initial_map));
+  const ram_slam::LandmarkMap map = toLandmarkMap(world.landmarks());
+  ROS_INFO_STREAM("Loaded " << map.landmarks.size() << " landmarks and " << world.scans().size()
+                            << " scans from " << parameters.initial_map
+                            << "; searching for the robot among them");
+  return ram_slam::startingIn(std::move(make), map, ram_slam::viewsOf(world.scans()),
+                              parameters.localise_only);
+}
+
 double readFutureInterpol(ram_parameters::ParameterReader& reader) {
   double ahead_s = 0.1;
   reader.read("future_interpol", ahead_s);
@@ -48,7 +63,8 @@ double readFutureInterpol(ram_parameters::ParameterReader& reader) {
 FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
     : node_parameters_(ram_slam::readFastSlamNodeParameters(reader)),
       future_interpol_s_(readFutureInterpol(reader)),
-      make_estimator_(readEstimator(reader, node_parameters_.estimator, matchers_)),
+      make_estimator_(startingInInitialMap(
+          readEstimator(reader, node_parameters_.estimator, matchers_), node_parameters_)),
       views_(node_parameters_.frames.base,
              buffer_,
              static_cast<std::size_t>(node_parameters_.waiting.queue_size)),
@@ -59,7 +75,7 @@ FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
       stage_(make_estimator_, kinematics_, node_parameters_.readings),
       diagnostics_(node_parameters_.waiting.silence_s) {
   advertise();
-  if (!restoreCheckpoint()) loadInitialMap();
+  if (!restoreCheckpoint()) publishMap();
   publishLost();
   thread_ = std::thread([this] { run(); });
   subscribe();
@@ -75,6 +91,7 @@ FastSlamNode::~FastSlamNode() {
 
 void FastSlamNode::advertise() {
   pose_ = node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("pose", 10);
+  amcl_pose_ = node_.advertise<geometry_msgs::PoseWithCovarianceStamped>("amcl_pose", 2);
   particles_ = node_.advertise<geometry_msgs::PoseArray>("particlecloud", 2);
   landmarks_ = node_.advertise<ram_slam_msgs::LandmarkMap>("landmarks", 1, kLatched);
   landmark_markers_ =
@@ -82,6 +99,7 @@ void FastSlamNode::advertise() {
   trajectory_ = node_.advertise<nav_msgs::Path>("trajectory", 1, kLatched);
   corrected_trajectory_ = node_.advertise<nav_msgs::Path>("corrected_trajectory", 1, kLatched);
   lost_ = node_.advertise<std_msgs::Bool>("lost", 1, kLatched);
+  tracking_ = node_.advertise<ram_slam_msgs::Tracking>("tracking", 10, kLatched);
   ros::NodeHandle private_node("~");
   services_ = {
       node_.advertiseService("global_localization", &FastSlamNode::onGlobalLocalization, this),
@@ -301,7 +319,7 @@ bool FastSlamNode::tryUpdate(const ram_slam::FeatureList& list) {
 }
 
 void FastSlamNode::afterReset(const std::string& reason) {
-  ROS_WARN_STREAM("Starting again with an empty map: " << reason);
+  ROS_WARN_STREAM("Starting again: " << reason);
   if (from_checkpoint_) {
     checkpoints_.putAside("it is of another run of the clock");
   } else {
@@ -341,16 +359,6 @@ void FastSlamNode::bridgeGap(std::int64_t stamp_ns) {
   from_checkpoint_ = false;
   stage_.estimator().forgetPose();
   publishLost();
-}
-
-void FastSlamNode::loadInitialMap() {
-  const std::string& path = node_parameters_.initial_map;
-  if (path.empty()) return;
-  const ram_slam::WorldMap world = ram_slam::worldMapFromBytes(ram_slam::readWholeFile(path));
-  const ram_slam::LandmarkMap map = toLandmarkMap(world.landmarks());
-  stage_.estimator().setMap(map);
-  ROS_INFO_STREAM("Loaded " << map.landmarks.size() << " landmarks from " << path
-                            << "; searching for the robot among them");
 }
 
 }  // namespace ram_slam_ros

@@ -66,14 +66,13 @@ private:
   bool tryUpdate(const ram_slam::FeatureList& list);
   /// Follows the smoothed trajectory that arrived last, if there is one.
   void followCorrection();
-  /// The stage has begun again with an empty map; the caller holds stage_mutex_.
+  /// The stage has begun again; the caller holds stage_mutex_.
   void afterReset(const std::string& reason);
   /// False without a usable checkpoint.
   bool restoreCheckpoint();
   /// For want of the kinematics' motion up to a list: the motion of tf, or none; then a checkpoint
   /// does not state where the robot is now.
   void bridgeGap(std::int64_t stamp_ns);
-  void loadInitialMap();
   /// map_from_base at a stamp; the caller holds stage_mutex_.
   void publishPose(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base);
   /// The same at the estimator's stamp.
@@ -95,12 +94,11 @@ private:
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   ros::Publisher pose_, particles_, landmarks_, landmark_markers_, trajectory_,
-      corrected_trajectory_, lost_;
+      corrected_trajectory_, lost_, tracking_, amcl_pose_;
 
   CheckpointKeeper checkpoints_;
   std::timed_mutex stage_mutex_;
   ram_slam::EstimatorStage stage_;
-  std::optional<bool> published_lost_;
   std::int64_t last_output_ns_ = 0;
   bool interrupted_ = false;
   bool from_checkpoint_ = false;  ///< and nothing has come since

@@ -2,6 +2,7 @@
 // What the node publishes.
 #include <geometry_msgs/PoseArray.h>
 #include <nav_msgs/Path.h>
+#include <ram_slam_msgs/Tracking.h>
 #include <std_msgs/Bool.h>
 
 #include "ram_slam/ros/conversions.hpp"
@@ -25,6 +26,7 @@ void FastSlamNode::publishPose(std::int64_t stamp_ns, const ram_slam::Pose2& map
   pose.pose = toPoseWithCovarianceMessage(estimate);
   map_to_odom_.correct(stamp_ns, map_from_base);
   pose_.publish(pose);
+  amcl_pose_.publish(pose);
   if (particles_.getNumSubscribers() == 0) return;
   geometry_msgs::PoseArray particles;
   particles.header = pose.header;
@@ -43,17 +45,23 @@ void FastSlamNode::publishLost() {
                    subscribers_.empty() ? "features" : subscribers_.front().getTopic());
     diagnostics_.set(stage_, queue_drops_, paused_, map_to_odom_.missingTransform());
   }
-  if (published_lost_ == estimator.isLost()) return;
-  if (estimator.isLost()) {
+  const std::optional<ram_slam::Tracking> change = stage_.takeTrackingChange();
+  if (!change) return;
+  if (change->is_lost) {
     ROS_WARN_STREAM("Lost: " << estimator.state()
                              << "; the map stays as it is until the robot is found");
-  } else if (published_lost_) {
-    ROS_INFO_STREAM("The robot is localised again");
+  } else {
+    ROS_INFO_STREAM("The robot's place is known");
   }
-  published_lost_ = estimator.isLost();
-  std_msgs::Bool message;
-  message.data = estimator.isLost();
-  lost_.publish(message);
+  std_msgs::Bool lost;
+  lost.data = change->is_lost;
+  lost_.publish(lost);
+  ram_slam_msgs::Tracking tracking;
+  tracking.header.frame_id = node_parameters_.frames.map;
+  tracking.header.stamp = toTime(change->stamp_ns);
+  tracking.lost = change->is_lost;
+  tracking.certain_until = toTime(change->certain_until_ns);
+  tracking_.publish(tracking);
 }
 
 void FastSlamNode::publishMap() {

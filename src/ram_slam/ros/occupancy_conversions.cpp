@@ -8,6 +8,21 @@
 #include "ram_slam/ros/conversions.hpp"
 
 namespace ram_slam_ros {
+namespace {
+
+geometry_msgs::Pose2D toPose2D(const ram_slam::Pose2& pose) {
+  geometry_msgs::Pose2D message;
+  message.x = pose.x_m;
+  message.y = pose.y_m;
+  message.theta = pose.yaw_rad;
+  return message;
+}
+
+ram_slam::Pose2 toPose2(const geometry_msgs::Pose2D& message) {
+  return {message.x, message.y, message.theta};
+}
+
+}  // namespace
 
 nav_msgs::OccupancyGrid toOccupancyGridMessage(const ram_slam::OccupancyGrid& grid,
                                                const std::string& frame_id,
@@ -90,6 +105,38 @@ nav_msgs::Path toPath(const ram_slam::Trajectory& trajectory, const std::string&
     path.poses.push_back(pose);
   }
   return path;
+}
+
+ram_slam_msgs::KeyScan toKeyScanMessage(const ram_slam::PlacedScan& placed) {
+  ram_slam_msgs::KeyScan message;
+  message.scan.header.stamp = toTime(placed.scan.stamp_ns);
+  message.scan.angle_min = static_cast<float>(placed.scan.angle_min_rad);
+  const std::size_t count = placed.scan.ranges_m.size();
+  if (count > 0) message.scan.angle_max = static_cast<float>(placed.scan.bearing_rad(count - 1));
+  message.scan.angle_increment = static_cast<float>(placed.scan.angle_increment_rad);
+  message.scan.time_increment = static_cast<float>(placed.scan.time_increment_s);
+  message.scan.range_min = placed.scan.range_min_m;
+  message.scan.range_max = placed.scan.range_max_m;
+  message.scan.ranges = placed.scan.ranges_m;
+  message.base_from_laser = toPose2D(placed.base_from_laser);
+  message.map_from_laser = toPose2D(placed.map_from_laser);
+  message.last_beam = toPose2D(placed.last_beam);
+  return message;
+}
+
+ram_slam::PlacedScan toPlacedScan(const ram_slam_msgs::KeyScan& message) {
+  ram_slam::PlacedScan placed;
+  placed.scan.stamp_ns = toNanoseconds(message.scan.header.stamp);
+  placed.scan.angle_min_rad = message.scan.angle_min;
+  placed.scan.angle_increment_rad = message.scan.angle_increment;
+  placed.scan.time_increment_s = message.scan.time_increment;
+  placed.scan.range_min_m = message.scan.range_min;
+  placed.scan.range_max_m = message.scan.range_max;
+  placed.scan.ranges_m = message.scan.ranges;
+  placed.base_from_laser = toPose2(message.base_from_laser);
+  placed.map_from_laser = toPose2(message.map_from_laser);
+  placed.last_beam = toPose2(message.last_beam);
+  return placed;
 }
 
 }  // namespace ram_slam_ros

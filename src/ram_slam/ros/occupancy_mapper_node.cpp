@@ -10,13 +10,29 @@
 #include "ram_slam/occupancy/map_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
+#include "ram_slam/world_map/map_folder.hpp"
 
 #include "node_defaults.hpp"
 
 namespace ram_slam_ros {
+namespace {
+
+/// The scans of the map to continue; none if there is no such map.
+std::vector<ram_slam::PlacedScan> loadScans(const std::string& initial_map) {
+  if (initial_map.empty()) return {};
+  std::vector<ram_slam::PlacedScan> scans =
+      ram_slam::loadWorldMap(ram_slam::expandHome(initial_map)).scans();
+  if (scans.empty()) throw std::runtime_error(initial_map + ": it holds no scans to continue from");
+  ROS_INFO_STREAM("Continuing the map of " << scans.size() << " scans in " << initial_map
+                                           << " once the robot is found in it");
+  return scans;
+}
+
+}  // namespace
+
 OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readOccupancyMapperParameters(reader)),
-      stage_(parameters_),
+      stage_(parameters_, loadScans(parameters_.initial_map)),
       scans_(parameters_.base_frame, transforms_),
       diagnostics_("mapping", [this]() -> StageDiagnostics::Report {
         const std::lock_guard lock(map_mutex_);
@@ -28,12 +44,16 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
   update_publisher_ = node_.advertise<map_msgs::OccupancyGridUpdate>("map_updates", kQueueSize);
   dynamic_map_service_ =
       node_.advertiseService("dynamic_map", &OccupancyMapperNode::onDynamicMap, this);
+  drawn_map_service_ =
+      private_node_.advertiseService("get_drawn_map", &OccupancyMapperNode::onGetDrawnMap, this);
   save_map_service_ =
       private_node_.advertiseService("save_map", &OccupancyMapperNode::onSaveMap, this);
   reset_service_ = private_node_.advertiseService("reset", &OccupancyMapperNode::onReset, this);
   scan_subscriber_ = node_.subscribe("scan", kQueueSize, &OccupancyMapperNode::onScan, this, hints);
   correction_subscriber_ =
       node_.subscribe("corrected_trajectory", 1, &OccupancyMapperNode::onTrajectory, this, hints);
+  tracking_subscriber_ =
+      node_.subscribe("tracking", 10, &OccupancyMapperNode::onTracking, this, hints);
   if (parameters_.follow_trajectory) {
     trajectory_subscriber_ =
         node_.subscribe("trajectory", 1, &OccupancyMapperNode::onTrajectory, this, hints);
@@ -144,6 +164,23 @@ void OccupancyMapperNode::onTrajectory(const nav_msgs::Path& message) {
   publishMap();
 }
 
+void OccupancyMapperNode::onTracking(const ram_slam_msgs::Tracking& message) {
+  int removed_count = 0;
+  {
+    const std::lock_guard lock(map_mutex_);
+    removed_count =
+        stage_.set({static_cast<bool>(message.lost), toNanoseconds(message.header.stamp),
+                    toNanoseconds(message.certain_until)});
+  }
+  if (message.lost) {
+    ROS_WARN_STREAM("The robot is lost: took " << removed_count
+                                               << " scans out, no scans are drawn until it is "
+                                                  "found ("
+                                               << tracking_subscriber_.getTopic() << ")");
+  }
+  if (removed_count > 0) publishMap();
+}
+
 void OccupancyMapperNode::restart() {
   stage_.reset();
   scans_.clear();
@@ -206,6 +243,24 @@ bool OccupancyMapperNode::onDynamicMap(nav_msgs::GetMap::Request&,
                                        nav_msgs::GetMap::Response& response) {
   const ram_slam::OccupancyGrid grid = wholeGrid();
   response.map = toOccupancyGridMessage(grid, parameters_.map_frame, newest_mapped_ns_);
+  return true;
+}
+
+bool OccupancyMapperNode::onGetDrawnMap(ram_slam_msgs::GetDrawnMap::Request&,
+                                        ram_slam_msgs::GetDrawnMap::Response& response) {
+  ram_slam::OccupancyGrid grid;
+  std::vector<ram_slam::PlacedScan> scans;
+  {
+    const std::lock_guard lock(map_mutex_);
+    stage_.draw();
+    grid = stage_.mapper().grid();
+    scans = stage_.scans();
+    response.settled_count = static_cast<std::uint32_t>(stage_.settledCount());
+  }
+  response.map = toOccupancyGridMessage(grid, parameters_.map_frame, newest_mapped_ns_);
+  response.scans.reserve(scans.size());
+  for (const ram_slam::PlacedScan& placed : scans)
+    response.scans.push_back(toKeyScanMessage(placed));
   return true;
 }
 

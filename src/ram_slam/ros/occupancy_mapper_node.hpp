@@ -10,7 +10,9 @@
 
 #include <nav_msgs/GetMap.h>
 #include <nav_msgs/Path.h>
+#include <ram_slam_msgs/GetDrawnMap.h>
 #include <ram_slam_msgs/SaveMap.h>
+#include <ram_slam_msgs/Tracking.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <std_srvs/Trigger.h>
@@ -27,7 +29,8 @@ namespace ram_slam_ros {
 
 /// Scans and tf in, occupancy map out: `map` and `map_metadata` (latched), `map_updates`, services
 /// `dynamic_map`,
-/// `~save_map`, `~reset`. Redraws the map when a `corrected_trajectory` arrives.
+/// `~get_drawn_map`, `~save_map`, `~reset`. Redraws the map when a `corrected_trajectory` arrives;
+/// leaves out what a lost robot sees (`tracking`).
 ///
 /// Made for several callback threads: drawing a message or writing a file holds the map no longer
 /// than copying what changed takes.
@@ -39,6 +42,9 @@ public:
 private:
   void onScan(const sensor_msgs::LaserScan& message);
   void onTrajectory(const nav_msgs::Path& message);
+  void onTracking(const ram_slam_msgs::Tracking& message);
+  bool onGetDrawnMap(ram_slam_msgs::GetDrawnMap::Request& request,
+                     ram_slam_msgs::GetDrawnMap::Response& response);
   bool onDynamicMap(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
   bool onSaveMap(ram_slam_msgs::SaveMap::Request& request,
                  ram_slam_msgs::SaveMap::Response& response);
@@ -100,11 +106,13 @@ private:
   ros::Publisher metadata_publisher_;
   ros::Publisher update_publisher_;
   ros::ServiceServer dynamic_map_service_;
+  ros::ServiceServer drawn_map_service_;
   ros::ServiceServer save_map_service_;
   ros::ServiceServer reset_service_;
   ros::Subscriber scan_subscriber_;
   ros::Subscriber correction_subscriber_;
   ros::Subscriber trajectory_subscriber_;
+  ros::Subscriber tracking_subscriber_;
   ros::Timer publish_timer_;
   ros::Timer update_timer_;
   ros::WallTimer waiting_timer_;

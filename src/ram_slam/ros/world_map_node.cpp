@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include <ram_slam_msgs/GetDrawnMap.h>
+
 #include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
-#include "ram_slam/world_map/world_map_file.hpp"
+#include "ram_slam/world_map/map_folder.hpp"
 
 #include "node_defaults.hpp"
 #include "world_map_conversions.hpp"
@@ -16,7 +18,9 @@
 namespace ram_slam_ros {
 namespace {
 
-constexpr const char* kExtension = ".world";
+/// Of maps of earlier versions, which were single files.
+constexpr const char* kOldExtension = ".world";
+constexpr const char* kDrawnMapService = "occupancy_mapper/get_drawn_map";
 
 /// A grid in the map frame itself is a local one whose frame is the map.
 ram_slam::LocalOccupancy toOccupancyOfWholeMap(const nav_msgs::OccupancyGrid& message) {
@@ -32,12 +36,16 @@ ram_slam::LocalOccupancy toOccupancyOfWholeMap(const nav_msgs::OccupancyGrid& me
 void WorldMapNodeParameters::validate() const {
   if (map_frame.empty()) throw std::invalid_argument("map_frame must not be empty");
   if (map_folder.empty()) throw std::invalid_argument("map_folder must not be empty");
+  if (read_only && initial_map.empty())
+    throw std::invalid_argument("read_only must be false without initial_map");
 }
 
 WorldMapNodeParameters readWorldMapNodeParameters(ram_parameters::ParameterReader& reader) {
   WorldMapNodeParameters parameters;
   reader.read("map_frame", parameters.map_frame);
   reader.read("map_folder", parameters.map_folder);
+  reader.read("initial_map", parameters.initial_map);
+  reader.read("read_only", parameters.read_only);
   reader.rejectUnknown();
   parameters.validate();
   return parameters;
@@ -45,8 +53,25 @@ WorldMapNodeParameters readWorldMapNodeParameters(ram_parameters::ParameterReade
 
 WorldMapNode::WorldMapNode(ram_parameters::ParameterReader& reader)
     : parameters_(readWorldMapNodeParameters(reader)) {
+  if (!parameters_.initial_map.empty())
+    map_ = ram_slam::loadWorldMap(ram_slam::expandHome(parameters_.initial_map));
+  if (parameters_.read_only) {
+    map_publisher_ = node_.advertise<nav_msgs::OccupancyGrid>("map", 1, kLatched);
+    metadata_publisher_ = node_.advertise<nav_msgs::MapMetaData>("map_metadata", 1, kLatched);
+    publishMap();
+  } else {
+    subscribe();
+  }
+  ros::NodeHandle private_node("~");
+  services_ = {node_.advertiseService("static_map", &WorldMapNode::onStaticMap, this),
+               private_node.advertiseService("get_region", &WorldMapNode::onGetRegion, this),
+               private_node.advertiseService("save_map", &WorldMapNode::onSaveMap, this),
+               private_node.advertiseService("load_map", &WorldMapNode::onLoadMap, this)};
+}
+
+void WorldMapNode::subscribe() {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  const auto subscribe = [&](const char* topic, const auto* message_type, const auto& convert) {
+  const auto subscribeTo = [&](const char* topic, const auto* message_type, const auto& convert) {
     using Message = std::remove_const_t<std::remove_pointer_t<decltype(message_type)>>;
     const boost::function<void(const Message&)> callback = [this, convert](const Message& message) {
       store(message, convert);
@@ -54,17 +79,12 @@ WorldMapNode::WorldMapNode(ram_parameters::ParameterReader& reader)
     subscribers_.push_back(
         node_.subscribe<Message>(topic, 10, callback, ros::VoidConstPtr(), hints));
   };
-  subscribe("map", static_cast<nav_msgs::OccupancyGrid*>(nullptr), &toOccupancyOfWholeMap);
-  subscribe("local_occupancy", static_cast<ram_slam_msgs::LocalOccupancy*>(nullptr),
-            &toLocalOccupancy);
-  subscribe("landmarks", static_cast<ram_slam_msgs::LandmarkMap*>(nullptr), &toLandmarkLayer);
-  subscribe("colored_cloud", static_cast<ram_slam_msgs::ColoredCloud*>(nullptr), &toColoredCloud);
-  subscribe("trajectory", static_cast<nav_msgs::Path*>(nullptr), &toTrajectory);
-
-  ros::NodeHandle private_node("~");
-  services_ = {private_node.advertiseService("get_region", &WorldMapNode::onGetRegion, this),
-               private_node.advertiseService("save_map", &WorldMapNode::onSaveMap, this),
-               private_node.advertiseService("load_map", &WorldMapNode::onLoadMap, this)};
+  subscribeTo("map", static_cast<nav_msgs::OccupancyGrid*>(nullptr), &toOccupancyOfWholeMap);
+  subscribeTo("local_occupancy", static_cast<ram_slam_msgs::LocalOccupancy*>(nullptr),
+              &toLocalOccupancy);
+  subscribeTo("landmarks", static_cast<ram_slam_msgs::LandmarkMap*>(nullptr), &toLandmarkLayer);
+  subscribeTo("colored_cloud", static_cast<ram_slam_msgs::ColoredCloud*>(nullptr), &toColoredCloud);
+  subscribeTo("trajectory", static_cast<nav_msgs::Path*>(nullptr), &toTrajectory);
 }
 
 template <typename Message, typename Convert>
@@ -89,7 +109,44 @@ ram_slam::WorldMap WorldMapNode::snapshot() {
 }
 
 std::string WorldMapNode::pathOf(const std::string& name) const {
-  return ram_slam::pathInFolder(ram_slam::expandHome(parameters_.map_folder), name) + kExtension;
+  return ram_slam::pathInFolder(ram_slam::expandHome(parameters_.map_folder), name);
+}
+
+nav_msgs::OccupancyGrid WorldMapNode::wholeGrid() {
+  const ram_slam::WorldMap map = snapshot();
+  const auto whole = map.occupancies().find(parameters_.map_frame);
+  if (whole == map.occupancies().end()) return {};
+  return toOccupancyGridMessage(whole->second->grid, parameters_.map_frame,
+                                whole->second->stamp_ns);
+}
+
+void WorldMapNode::publishMap() {
+  const nav_msgs::OccupancyGrid grid = wholeGrid();
+  if (grid.data.empty()) return;
+  map_publisher_.publish(grid);
+  metadata_publisher_.publish(grid.info);
+}
+
+bool WorldMapNode::onStaticMap(nav_msgs::GetMap::Request& /*request*/,
+                               nav_msgs::GetMap::Response& response) {
+  response.map = wholeGrid();
+  return !response.map.data.empty();
+}
+
+std::string WorldMapNode::addDrawnMap(ram_slam::WorldMap& map) {
+  ram_slam_msgs::GetDrawnMap drawn;
+  const std::string service = node_.resolveName(kDrawnMapService);
+  if (!ros::service::exists(service, false) || !ros::service::call(service, drawn))
+    return "; without scans, for want of " + service + ": no robot can continue it";
+  if (!drawn.response.map.data.empty()) map.put(toOccupancyOfWholeMap(drawn.response.map));
+  std::vector<ram_slam::PlacedScan> scans;
+  scans.reserve(drawn.response.scans.size());
+  for (const ram_slam_msgs::KeyScan& scan : drawn.response.scans)
+    scans.push_back(toPlacedScan(scan));
+  map.put(std::move(scans));
+  if (drawn.response.settled_count == 0) return "";
+  return "; " + std::to_string(drawn.response.settled_count) +
+         " scans of its grid are missing, which occupancy_mapper no longer keeps (max_scan_count)";
 }
 
 bool WorldMapNode::onGetRegion(ram_slam_msgs::GetRegion::Request& request,
@@ -110,12 +167,12 @@ bool WorldMapNode::onSaveMap(ram_slam_msgs::SaveMap::Request& request,
   const std::lock_guard one_at_a_time(file_mutex_);
   try {
     const std::string path = pathOf(request.name);
-    const ram_slam::WorldMap map = snapshot();
+    ram_slam::WorldMap map = snapshot();
+    const std::string missing = parameters_.read_only ? "" : addDrawnMap(map);
     if (map.empty()) throw std::runtime_error("there is no map yet");
-    std::filesystem::create_directories(ram_slam::expandHome(parameters_.map_folder));
-    ram_slam::writeFileAtomically(path, ram_slam::toBytes(map));
+    ram_slam::saveMapFolder(map, parameters_.map_frame, path);
     response.success = true;
-    response.message = "saved " + path;
+    response.message = "saved " + path + missing;
     ROS_INFO_STREAM(response.message);
   } catch (const std::exception& error) {
     response.success = false;
@@ -129,15 +186,12 @@ bool WorldMapNode::onLoadMap(ram_slam_msgs::LoadMap::Request& request,
                              ram_slam_msgs::LoadMap::Response& response) {
   const std::lock_guard one_at_a_time(file_mutex_);
   try {
-    const std::string path = pathOf(request.name);
-    ram_slam::WorldMap map;
-    try {
-      map = ram_slam::worldMapFromBytes(ram_slam::readWholeFile(path));
-    } catch (const std::system_error&) {
-      throw;  // names the file itself
-    } catch (const std::runtime_error& error) {
-      throw std::runtime_error(path + ": " + error.what());
-    }
+    std::string path = pathOf(request.name);
+    if (parameters_.read_only)
+      throw std::runtime_error("the map is read only; start with another initial_map");
+    if (!std::filesystem::exists(path) && std::filesystem::exists(path + kOldExtension))
+      path += kOldExtension;
+    ram_slam::WorldMap map = ram_slam::loadWorldMap(path);
     const std::lock_guard lock(map_mutex_);
     map_ = std::move(map);
     response.success = true;

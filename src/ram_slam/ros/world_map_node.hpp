@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <nav_msgs/GetMap.h>
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Path.h>
 #include <ram_slam_msgs/ColoredCloud.h>
@@ -25,6 +26,10 @@ struct WorldMapNodeParameters {
   std::string map_frame = "map";
   /// Where maps are saved and loaded; a leading ~ is the home folder.
   std::string map_folder = "~/.ros/maps";
+  /// Folder or file of a saved map to begin with; empty: none.
+  std::string initial_map;
+  /// Whether the map stays as it is: nothing is taken in, and it is published.
+  bool read_only = false;
 
   /// \throws std::invalid_argument naming the parameter that is empty
   void validate() const;
@@ -34,8 +39,8 @@ struct WorldMapNodeParameters {
 WorldMapNodeParameters readWorldMapNodeParameters(ram_parameters::ParameterReader& reader);
 
 /// Keeps `map`, `local_occupancy`, `landmarks`, `colored_cloud` and `trajectory` as they come;
-/// answers ~get_region, ~save_map and ~load_map. Messages are handled while
-/// files are written and read.
+/// answers `static_map`, ~get_region, ~save_map and ~load_map. Messages are handled while files are
+/// written and read. With read_only nothing is taken in; `map` and `map_metadata` are published.
 class WorldMapNode {
 public:
   /// \throws std::invalid_argument if a parameter is refused
@@ -51,7 +56,16 @@ private:
                  ram_slam_msgs::SaveMap::Response& response);
   bool onLoadMap(ram_slam_msgs::LoadMap::Request& request,
                  ram_slam_msgs::LoadMap::Response& response);
+  bool onStaticMap(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
+  void subscribe();
+  /// Where a map of that name is saved.
   std::string pathOf(const std::string& name) const;
+  /// Puts the grid of now and its scans into a map. \return what is missing in it, to be logged
+  std::string addDrawnMap(ram_slam::WorldMap& map);
+  /// The grid of the whole map; no cells if there is none.
+  nav_msgs::OccupancyGrid wholeGrid();
+  /// Publishes the map that was loaded.
+  void publishMap();
   ram_slam::WorldMap snapshot();
 
   WorldMapNodeParameters parameters_;
@@ -62,6 +76,8 @@ private:
   ros::NodeHandle node_;
   std::vector<ros::ServiceServer> services_;
   std::vector<ros::Subscriber> subscribers_;
+  ros::Publisher map_publisher_;
+  ros::Publisher metadata_publisher_;
 };
 
 }  // namespace ram_slam_ros

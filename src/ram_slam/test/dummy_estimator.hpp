@@ -34,7 +34,9 @@ public:
     return {};
   }
   void forgetPose() override { is_lost_ = true; }
-  void setMap(const LandmarkMap& /*map*/) override { is_lost_ = true; }
+  void setMap(const LandmarkMap& /*map*/, const std::vector<PlacedView>& /*views*/) override {
+    is_lost_ = true;
+  }
   Checkpoint checkpoint() const override { return {{}, path_}; }
   void restore(const Checkpoint& checkpoint) override { path_ = checkpoint.path; }
 

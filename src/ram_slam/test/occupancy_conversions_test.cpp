@@ -88,5 +88,29 @@ TEST(PathConversions, ATrajectoryReadsBackFromItsPath) {
   }
 }
 
+TEST(KeyScanMessage, GivesBackTheSameNumbers) {
+  ram_slam::PlacedScan placed;
+  placed.scan.stamp_ns = 1'000'000'007;
+  placed.scan.angle_min_rad = -1.5F;
+  placed.scan.angle_increment_rad = 0.01F;
+  placed.scan.time_increment_s = 1e-4F;
+  placed.scan.range_min_m = 0.1F;
+  placed.scan.range_max_m = 5.0F;
+  placed.scan.ranges_m = {1.0F, 4.999F, std::numeric_limits<float>::infinity()};
+  placed.base_from_laser = {0.1, 0.2, 0.3};
+  placed.map_from_laser = {1.0 / 3.0, -2.0 / 3.0, 3.1};
+  placed.last_beam = {0.001, 0.0, 0.002};
+  const ram_slam::PlacedScan back = toPlacedScan(toKeyScanMessage(placed));
+  EXPECT_EQ(back.scan.stamp_ns, placed.scan.stamp_ns);
+  EXPECT_EQ(back.scan.angle_min_rad, placed.scan.angle_min_rad);
+  EXPECT_EQ(back.scan.angle_increment_rad, placed.scan.angle_increment_rad);
+  EXPECT_EQ(back.scan.time_increment_s, placed.scan.time_increment_s);
+  EXPECT_EQ(back.scan.ranges_m, placed.scan.ranges_m);
+  EXPECT_EQ(back.map_from_laser.x_m, placed.map_from_laser.x_m);
+  EXPECT_EQ(back.map_from_laser.yaw_rad, placed.map_from_laser.yaw_rad);
+  EXPECT_EQ(back.last_beam.yaw_rad, placed.last_beam.yaw_rad);
+  EXPECT_EQ(back.base_from_laser.y_m, placed.base_from_laser.y_m);
+}
+
 }  // namespace
 }  // namespace ram_slam_ros

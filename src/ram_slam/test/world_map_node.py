@@ -11,6 +11,7 @@ import rospy
 import rostest
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Path
+from nav_msgs.srv import GetMap
 from ram_slam_msgs.msg import ColoredCloud, CovarianceBlock, Landmark, LandmarkMap, LocalOccupancy
 from ram_slam_msgs.srv import GetRegion, LoadMap, SaveMap
 from sensor_msgs.msg import PointField
@@ -145,7 +146,7 @@ class WorldMapNodeTest(unittest.TestCase):
         before = self.fill()
         saved = self.save_map('office-1.2')
         self.assertTrue(saved.success, saved.message)
-        self.assertEqual(os.listdir(self.folder).count('office-1.2.world'), 1)
+        self.assertEqual(sorted(os.listdir(os.path.join(self.folder, 'office-1.2'))), ['map.pgm', 'map.world', 'map.yaml'])
         self.map.publish(grid_message([100] * 4, 2, stamp=9.0))
         self.landmarks.publish(landmark_map())
         self.region((0.0, 0.0, 1.0, 1.0), lambda answer: list(answer.grid.data) == [100] * 4 and
@@ -154,18 +155,31 @@ class WorldMapNodeTest(unittest.TestCase):
         self.assertTrue(loaded.success, loaded.message)
         self.assertEqual(self.region((0.0, 0.0, 1.0, 1.0)), before)
 
+    def test_a_map_of_an_earlier_version_is_loaded_from_its_file(self):
+        before = self.fill()
+        self.assertTrue(self.save_map('newer').success)
+        os.rename(os.path.join(self.folder, 'newer', 'map.world'), os.path.join(self.folder, 'older.world'))
+        loaded = self.load_map('older')
+        self.assertTrue(loaded.success, loaded.message)
+        self.assertEqual(self.region((0.0, 0.0, 1.0, 1.0)), before)
+
+    def test_the_grid_of_the_whole_map_is_served(self):
+        self.fill()
+        self.assertEqual(list(rospy.ServiceProxy('static_map', GetMap)().map.data), [0, 100, -1, 0])
+
     def test_corrupted_file_is_refused_and_the_map_stays(self):
         before = self.fill()
         self.assertTrue(self.save_map('good').success)
-        path = os.path.join(self.folder, 'bad.world')
-        with open(os.path.join(self.folder, 'good.world'), 'rb') as file:
+        os.makedirs(os.path.join(self.folder, 'bad'), exist_ok=True)
+        path = os.path.join(self.folder, 'bad', 'map.world')
+        with open(os.path.join(self.folder, 'good', 'map.world'), 'rb') as file:
             content = bytearray(file.read())
         for damaged in content[:-1], content + b'x', b'', content[:100] + bytes([content[100] ^ 1]) + content[101:]:
             with open(path, 'wb') as file:
                 file.write(damaged)
             answer = self.load_map('bad')
             self.assertFalse(answer.success)
-            self.assertIn('bad.world', answer.message)
+            self.assertIn('bad/map.world', answer.message)
             self.assertEqual(self.region((0.0, 0.0, 1.0, 1.0)), before)
 
     def test_names_that_leave_the_folder_are_refused(self):

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The MD5 sums of the report's five definitions are the wire contract: a change here breaks every
-// recorded bag.
+// The MD5 sums are the wire contract: a change here breaks every recorded bag. The first five are
+// the report's.
 #include <string>
 
 #include <gtest/gtest.h>
 #include <ram_slam_msgs/Feature.h>
 #include <ram_slam_msgs/FeatureList.h>
+#include <ram_slam_msgs/GetDrawnMap.h>
+#include <ram_slam_msgs/KeyScan.h>
 #include <ram_slam_msgs/PredictState.h>
 #include <ram_slam_msgs/PredictStateWithCovariance.h>
 #include <ram_slam_msgs/SampleState.h>
+#include <ram_slam_msgs/Tracking.h>
 
 namespace {
 
@@ -41,6 +44,18 @@ TEST(Contract, PredictStateWithCovarianceKeepsItsMd5Sum) {
 
 TEST(Contract, SampleStateKeepsItsMd5Sum) {
   EXPECT_EQ(serviceMd5<ram_slam_msgs::SampleState>(), "a3589a915e54a61da00fe84456f6b822");
+}
+
+TEST(Contract, KeyScanKeepsItsMd5Sum) {
+  EXPECT_EQ(md5<ram_slam_msgs::KeyScan>(), "fd667c3f904a987840977b4a10931c08");
+}
+
+TEST(Contract, TrackingKeepsItsMd5Sum) {
+  EXPECT_EQ(md5<ram_slam_msgs::Tracking>(), "8f31273787a9e8707c28b872fae77847");
+}
+
+TEST(Contract, GetDrawnMapKeepsItsMd5Sum) {
+  EXPECT_EQ(serviceMd5<ram_slam_msgs::GetDrawnMap>(), "62933b88692252ff2d852e2ef2a8d9bf");
 }
 
 TEST(Contract, MessagesWithAHeaderSaySo) {

@@ -38,4 +38,23 @@ std::vector<std::string> estimatorNames() {
   return names;
 }
 
+EstimatorFactory startingIn(EstimatorFactory make,
+                            LandmarkMap map,
+                            std::vector<PlacedView> views,
+                            bool is_fixed) {
+  EstimatorFactory makeInMap = [make = std::move(make), map = std::move(map),
+                                views = std::move(views), is_fixed] {
+    std::unique_ptr<Estimator> estimator = make();
+    estimator->setMap(map, views);
+    if (is_fixed) estimator->fixMap();
+    return estimator;
+  };
+  if (!makeInMap()->isLost()) {
+    throw std::invalid_argument(
+        "a robot cannot be found in this map: it has no landmarks, or the search for a lost robot "
+        "is disabled");
+  }
+  return makeInMap;
+}
+
 }  // namespace ram_slam

@@ -167,9 +167,11 @@ void FastSlam::update(const FeatureList& list, const MotionStep& step, const Fie
   updated_ns_ = stamp_ns_;
   since_update_ = {};
   samplePoses(evidence);
-  updateMaps(list, descriptors, observations, evidence);
-  const LandmarkExistence existence(parameters_, particles_, weightsOf(particles_));
-  for (const LandmarkId id : existence.update(registry_, view, estimate_.pose)) remove(id);
+  if (!is_map_fixed_) {
+    updateMaps(list, descriptors, observations, evidence);
+    const LandmarkExistence existence(parameters_, particles_, weightsOf(particles_));
+    for (const LandmarkId id : existence.update(registry_, view, estimate_.pose)) remove(id);
+  }
   resample();
 }
 

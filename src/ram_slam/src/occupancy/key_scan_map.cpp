@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace ram_slam {
 namespace {
@@ -16,8 +17,11 @@ Pose2 change(const Pose2& from, const Pose2& to) {
 
 }  // namespace
 
-KeyScanMap::KeyScanMap(const OccupancyMapperParameters& parameters)
-    : parameters_(parameters), mapper_(parameters) {}
+KeyScanMap::KeyScanMap(const OccupancyMapperParameters& parameters, std::vector<PlacedScan> loaded)
+    : parameters_(parameters), mapper_(parameters), loaded_(std::move(loaded)) {
+  for (const PlacedScan& placed : loaded_)
+    mapper_.add(placed.scan, placed.map_from_laser, placed.last_beam);
+}
 
 bool KeyScanMap::add(const LaserScan& scan,
                      const Pose2& map_from_base,
@@ -66,6 +70,26 @@ int KeyScanMap::correct(const Trajectory& map_from_base) {
       key.wanted.last_beam = corrected.inverse() * *base_then * key.base_from_laser;
   }
   return moved_count;
+}
+
+int KeyScanMap::removeAfter(std::int64_t stamp_ns) {
+  int count = 0;
+  while (!scans_.empty() && scans_.back().scan.stamp_ns > stamp_ns) {
+    const KeyScan& key = scans_.back();
+    if (key.drawn) mapper_.remove(key.scan, key.drawn->map_from_laser, key.drawn->last_beam);
+    scans_.pop_back();
+    ++count;
+  }
+  return count;
+}
+
+std::vector<PlacedScan> KeyScanMap::scans() const {
+  std::vector<PlacedScan> all = loaded_;
+  for (const KeyScan& key : scans_) {
+    if (!key.drawn) continue;
+    all.push_back({key.scan, key.base_from_laser, key.drawn->map_from_laser, key.drawn->last_beam});
+  }
+  return all;
 }
 
 BeamCounts KeyScanMap::draw(const DrawFailure& onFailure) {

@@ -62,6 +62,9 @@ void addNodeRows(ParameterTable<P>& table) {
       .add("map_folder", &P::map_folder,
            "Where the service save_map writes; a leading ~ is the home folder.")
       .rule(&P::map_folder, "not empty", [](const P& p) { return !p.map_folder.empty(); })
+      .add("initial_map", &P::initial_map,
+           "Saved map (folder, or a file in it, of the service save_map of world_map) to continue, "
+           "once the robot is found in it; empty: an empty map. (docs/maps.md)")
       .add("publish_period_s", &P::publish_period_s, "s", within(0.1, 3600.0),
            "Between publications of the whole map.")
       .add("update_period_s", &P::update_period_s, "s", within(0.05, 3600.0),

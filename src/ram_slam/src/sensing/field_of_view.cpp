@@ -114,4 +114,14 @@ std::optional<double> discontinuity(const FieldOfView& before,
   return static_cast<double>(sum.contradicting) / common;
 }
 
+std::vector<PlacedView> viewsOf(const std::vector<PlacedScan>& scans) {
+  std::vector<PlacedView> views;
+  views.reserve(scans.size());
+  for (const PlacedScan& placed : scans) {
+    views.push_back({placed.map_from_base(),
+                     std::make_shared<const LaserView>(placed.scan, placed.base_from_laser)});
+  }
+  return views;
+}
+
 }  // namespace ram_slam

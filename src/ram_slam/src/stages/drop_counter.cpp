@@ -29,6 +29,8 @@ std::string toText(DropReason reason) {
       return "map at its size limit";
     case DropReason::kPaused:
       return "paused";
+    case DropReason::kLost:
+      return "robot lost at the stamp";
   }
   return "";
 }

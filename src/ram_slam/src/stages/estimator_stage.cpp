@@ -46,6 +46,14 @@ void EstimatorStage::reset() {
   correction_.reset();
   reached_ns_ = 0;
   ++reset_count_;
+  stated_lost_.reset();
+}
+
+std::optional<Tracking> EstimatorStage::takeTrackingChange() {
+  const bool is_lost = estimator_->isLost();
+  if (stated_lost_ == is_lost) return std::nullopt;
+  stated_lost_ = is_lost;
+  return Tracking{is_lost, estimator_->stamp_ns(), estimator_->certainUntil_ns()};
 }
 
 std::optional<MotionStep> EstimatorStage::motionUntil(std::int64_t stamp_ns) {

@@ -83,9 +83,13 @@ const ram_parameters::ParameterTable<FastSlamNodeParameters>& FastSlamNodeParame
           .add("output_period", &P::output_period, "s", atLeast(0.0),
                "Least time between two outputs of landmarks and trajectory.")
           .add("initial_map", &P::initial_map,
-               "World map file (*.world, written by the service save_map of world_map) to begin "
+               "Saved map (folder, or a file in it, of the service save_map of world_map) to begin "
                "with: its landmarks are the map and the robot starts lost in it; empty: an empty "
-               "map, the robot at its origin.")
+               "map, the robot at its origin. (docs/maps.md)")
+          .add("localise_only", &P::localise_only,
+               "Whether only the pose is estimated: the initial map stays as it is.")
+          .rule(&P::localise_only, "false without initial_map",
+                [](const P& p) { return !p.localise_only || !p.initial_map.empty(); })
           .add("checkpoint_file", &P::checkpoint_file,
                "File from which the node continues after it was killed: its map, its path, and the "
                "robot about where it was. It takes precedence over initial_map, and is removed "

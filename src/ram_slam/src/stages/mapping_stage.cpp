@@ -3,8 +3,18 @@
 
 #include <exception>
 #include <stdexcept>
+#include <utility>
 
 namespace ram_slam {
+
+MappingStage::MappingStage(const OccupancyMapperParameters& parameters,
+                           std::vector<PlacedScan> loaded)
+    : parameters_(parameters), map_(parameters, std::move(loaded)), gate_(!map_.loaded().empty()) {}
+
+int MappingStage::set(const Tracking& tracking) {
+  gate_.set(tracking);
+  return tracking.is_lost ? map_.removeAfter(tracking.certain_until_ns) : 0;
+}
 
 void MappingStage::add(const MountedScan& scan,
                        const Pose2& map_from_base,
@@ -18,6 +28,10 @@ void MappingStage::add(const MountedScan& scan,
   if (order == StampOrder::kSetBack) {
     reset();
     clock_.check(stamp_ns);
+  }
+  if (!gate_.admits(stamp_ns)) {
+    drops_.add(DropReason::kLost, stamp_ns, "scan");
+    return;
   }
   try {
     map_.add(scan.scan, map_from_base, scan.base_from_laser, last_beam);
@@ -33,8 +47,9 @@ BeamCounts MappingStage::draw() {
 }
 
 void MappingStage::reset() {
-  map_ = KeyScanMap(parameters_);
+  map_ = KeyScanMap(parameters_, map_.loaded());
   clock_ = {};
+  gate_ = TrackingGate(!map_.loaded().empty());
   ++reset_count_;
 }
 

@@ -28,7 +28,7 @@ std::string toBytes(const Checkpoint& checkpoint) {
 
 Checkpoint checkpointFromBytes(const std::string& bytes) {
   const WorldMap world = worldMapFromBytes(bytes);
-  if (!world.occupancies().empty() || !world.clouds().empty())
+  if (!world.occupancies().empty() || !world.clouds().empty() || !world.scans().empty())
     throw std::runtime_error("it is a stored world, not a checkpoint");
   Checkpoint checkpoint{toLandmarkMap(world.landmarks()), world.trajectory()};
   for (std::size_t i = 0; i < checkpoint.map.landmarks.size(); ++i)

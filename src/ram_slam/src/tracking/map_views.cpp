@@ -95,16 +95,24 @@ void MapViews::add(std::int64_t stamp_ns,
                    const Pose2& map_from_base,
                    double path_m,
                    std::shared_ptr<const FieldOfView> view) {
-  if (view == nullptr) return;
-  const bool known = std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
+  if (view == nullptr || knowsPlace(map_from_base)) return;
+  places_.push_back({stamp_ns, map_from_base, std::move(view), path_m});
+  surfaces_.reset();
+}
+
+void MapViews::addLoaded(const PlacedView& placed) {
+  if (placed.view == nullptr || knowsPlace(placed.map_from_base)) return;
+  places_.push_back({0, placed.map_from_base, placed.view, 0.0, true});
+  surfaces_.reset();
+}
+
+bool MapViews::knowsPlace(const Pose2& map_from_base) const {
+  return std::any_of(places_.begin(), places_.end(), [&](const Place& place) {
     const Eigen::Vector2d away_m = place.map_from_base.translation() - map_from_base.translation();
     return away_m.squaredNorm() < parameters_.same_place_m * parameters_.same_place_m &&
            std::abs(wrapAngle(map_from_base.yaw_rad - place.map_from_base.yaw_rad)) <
                parameters_.same_place_rad;
   });
-  if (known) return;
-  places_.push_back({stamp_ns, map_from_base, std::move(view), path_m});
-  surfaces_.reset();
 }
 
 void MapViews::clear() {
@@ -116,9 +124,11 @@ void MapViews::follow(const Trajectory& path) {
   surfaces_.reset();
   std::vector<Place> kept;
   for (Place& place : places_) {
-    const std::optional<Pose2> pose = poseAt(path, place.stamp_ns);
-    if (!pose) continue;
-    place.map_from_base = *pose;
+    if (!place.is_loaded) {
+      const std::optional<Pose2> pose = poseAt(path, place.stamp_ns);
+      if (!pose) continue;
+      place.map_from_base = *pose;
+    }
     kept.push_back(std::move(place));
   }
   places_ = std::move(kept);

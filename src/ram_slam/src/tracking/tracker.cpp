@@ -112,7 +112,7 @@ void Tracker::keep(const TrackedView& now) {
       copies.push_back(copyOfNow());
     }
   }
-  if (std::holds_alternative<Tracked>(state_))
+  if (std::holds_alternative<Tracked>(state_) && !filter_.isMapFixed())
     map_views_.add(stamp_ns_, filter_.estimate().pose, path_m_, now.view);
   monitor_.add(now);
 }
@@ -236,8 +236,10 @@ Lost Tracker::loseTrack(LostReason reason) {
   // A caller who wants the pose forgotten does not state that the map is wrong.
   const bool requested = reason == LostReason::kRequested;
   Pose2 map_from_base = filter_.estimate().pose;
+  std::int64_t certain_until_ns = stamp_ns_;
   if (const FilterCopy* before = requested ? nullptr : oldestCopy()) {
     map_from_base = before->map_from_base * before->local_from_base.inverse() * local_from_base_;
+    certain_until_ns = before->stamp_ns;
     filter_ = before->filter;
   }
   map_views_.follow(filter_.trajectory());
@@ -245,6 +247,7 @@ Lost Tracker::loseTrack(LostReason reason) {
   if (reason == LostReason::kDiscontinuity) view_before = monitor_.oldestView();
   monitor_.clear();
   return {reason,
+          certain_until_ns,
           map_from_base,
           !requested,
           stamp_ns_,
@@ -254,6 +257,7 @@ Lost Tracker::loseTrack(LostReason reason) {
 
 Lost Tracker::interrupted(const Lost& lost) const {
   return {lost.reason,
+          lost.certain_until_ns,
           lost.map_from_base,
           false,
           lost.walls_agree_since_ns,
@@ -287,6 +291,11 @@ LostReason Tracker::reason() const {
   return lost == nullptr ? LostReason::kTracking : lost->reason;
 }
 
+std::int64_t Tracker::certainUntil_ns() const {
+  const auto* lost = std::get_if<Lost>(&state_);
+  return lost == nullptr ? stamp_ns_ : lost->certain_until_ns;
+}
+
 PoseWithCovariance2 Tracker::estimate() const {
   const auto* lost = std::get_if<Lost>(&state_);
   if (lost == nullptr) return filter_.estimate();
@@ -301,6 +310,7 @@ void Tracker::setPose(const PoseWithCovariance2& map_from_base) {
 
 Pose2 Tracker::followTrajectory(const Trajectory& smoothed) {
   if (lost()) throw std::runtime_error("the robot is lost: its map stays as it is");
+  if (filter_.isMapFixed()) throw std::runtime_error("the map is fixed");
   const Pose2 map_from_smoothed = filter_.followTrajectory(smoothed);
   map_views_.follow(filter_.trajectory());
   monitor_.clearMapEvidence();
@@ -313,9 +323,10 @@ void Tracker::forgetPose() {
   transition(TrackingEvent::kPoseForgotten);
 }
 
-void Tracker::setMap(const LandmarkMap& map) {
+void Tracker::setMap(const LandmarkMap& map, const std::vector<PlacedView>& views) {
   filter_.setMap(map);
   map_views_.clear();
+  for (const PlacedView& view : views) map_views_.addLoaded(view);
   forgetPose();
 }
 
@@ -331,6 +342,7 @@ Checkpoint Tracker::checkpoint() const {
 void Tracker::restore(const Checkpoint& checkpoint) {
   Tracker restored(filter_parameters_, parameters_, matchers_);
   restored.filter_.setMap(checkpoint.map, checkpoint.path);
+  if (filter_.isMapFixed()) restored.fixMap();
   const PoseWithCovariance2 pose =
       withSigma(checkpoint.path.empty() ? Pose2{} : checkpoint.path.back().pose,
                 parameters_.tracking.restored_sigma_m, parameters_.tracking.restored_sigma_rad);

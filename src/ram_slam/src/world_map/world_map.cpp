@@ -147,9 +147,27 @@ void WorldMap::put(Trajectory trajectory) {
   trajectory_ = std::make_shared<const Trajectory>(std::move(trajectory));
 }
 
+void WorldMap::put(std::vector<PlacedScan> scans) {
+  std::size_t readings = 0;
+  for (const PlacedScan& placed : scans) {
+    placed.scan.validate();
+    require(placed.base_from_laser.isFinite() && placed.map_from_laser.isFinite() &&
+                placed.last_beam.isFinite(),
+            "scan with a pose that is not finite");
+    readings += placed.scan.ranges_m.size();
+  }
+  requireRoom(readings, kMaxReadings, "readings of scans");
+  scans_ = std::make_shared<const std::vector<PlacedScan>>(std::move(scans));
+}
+
 const LandmarkLayer& WorldMap::landmarks() const {
   static const LandmarkLayer none;
   return landmarks_ ? *landmarks_ : none;
+}
+
+const std::vector<PlacedScan>& WorldMap::scans() const {
+  static const std::vector<PlacedScan> none;
+  return scans_ ? *scans_ : none;
 }
 
 const Trajectory& WorldMap::trajectory() const {

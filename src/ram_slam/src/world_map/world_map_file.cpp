@@ -11,7 +11,8 @@ namespace {
 
 // The format: see toBytes().
 const std::string kMagic = "RAMWORLD";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersionWithoutScans = 1;
 
 std::uint64_t checksum(const std::string& bytes, std::size_t start) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -91,6 +92,24 @@ void write(BinaryWriter& writer, const StampedPose2& pose) {
 void write(BinaryWriter& writer, const Trajectory& trajectory) {
   writer.write(static_cast<std::uint64_t>(trajectory.size()));
   for (const StampedPose2& pose : trajectory) write(writer, pose);
+}
+
+void write(BinaryWriter& writer, const LaserScan& scan) {
+  writer.write(scan.stamp_ns);
+  writer.write(scan.angle_min_rad);
+  writer.write(scan.angle_increment_rad);
+  writer.write(scan.time_increment_s);
+  writer.write(scan.range_min_m);
+  writer.write(scan.range_max_m);
+  writer.write(static_cast<std::uint64_t>(scan.ranges_m.size()));
+  for (const float range_m : scan.ranges_m) writer.write(range_m);
+}
+
+void write(BinaryWriter& writer, const PlacedScan& placed) {
+  write(writer, placed.scan);
+  write(writer, placed.base_from_laser);
+  write(writer, placed.map_from_laser);
+  write(writer, placed.last_beam);
 }
 
 /// How many elements follow: never more than the rest of the file can hold, given the bytes of one
@@ -177,11 +196,36 @@ Trajectory readTrajectory(BinaryReader& reader) {
   return trajectory;
 }
 
-/// Checks the header; the reader stands at the content afterwards.
-void checkHeader(const std::string& bytes, BinaryReader& reader) {
+LaserScan readScan(BinaryReader& reader) {
+  LaserScan scan;
+  scan.stamp_ns = reader.read<std::int64_t>();
+  scan.angle_min_rad = reader.read<double>();
+  scan.angle_increment_rad = reader.read<double>();
+  scan.time_increment_s = reader.read<double>();
+  scan.range_min_m = reader.read<float>();
+  scan.range_max_m = reader.read<float>();
+  scan.ranges_m.resize(reader.readCount(sizeof(float)));
+  for (float& range_m : scan.ranges_m) range_m = reader.read<float>();
+  return scan;
+}
+
+std::vector<PlacedScan> readScans(BinaryReader& reader) {
+  std::vector<PlacedScan> scans(readCountOf<PlacedScan>(reader));
+  for (PlacedScan& placed : scans) {
+    placed.scan = readScan(reader);
+    placed.base_from_laser = readPose2(reader);
+    placed.map_from_laser = readPose2(reader);
+    placed.last_beam = readPose2(reader);
+  }
+  return scans;
+}
+
+/// Checks the header; the reader stands at the content afterwards. \return the version
+std::uint32_t checkHeader(const std::string& bytes, BinaryReader& reader) {
   if (bytes.compare(0, kMagic.size(), kMagic) != 0)
     throw std::runtime_error("it is not a world map");
-  if (const auto version = reader.read<std::uint32_t>(); version != kVersion) {
+  const auto version = reader.read<std::uint32_t>();
+  if (version != kVersion && version != kVersionWithoutScans) {
     throw std::runtime_error("its format is version " + std::to_string(version) + ", not " +
                              std::to_string(kVersion));
   }
@@ -191,6 +235,7 @@ void checkHeader(const std::string& bytes, BinaryReader& reader) {
     throw std::runtime_error("it is cut short or has something behind its end");
   if (expected_checksum != checksum(bytes, reader.position()))
     throw std::runtime_error("it is damaged");
+  return version;
 }
 
 }  // namespace
@@ -203,6 +248,8 @@ std::string toBytes(const WorldMap& map) {
   content.write(static_cast<std::uint64_t>(map.clouds().size()));
   for (const auto& entry : map.clouds()) write(content, *entry.second);
   write(content, map.trajectory());
+  content.write(static_cast<std::uint64_t>(map.scans().size()));
+  for (const PlacedScan& placed : map.scans()) write(content, placed);
 
   BinaryWriter header;
   header.write(kVersion);
@@ -213,7 +260,7 @@ std::string toBytes(const WorldMap& map) {
 
 WorldMap worldMapFromBytes(const std::string& bytes) {
   BinaryReader reader(bytes, std::min(bytes.size(), kMagic.size()));
-  checkHeader(bytes, reader);
+  const std::uint32_t version = checkHeader(bytes, reader);
   try {
     WorldMap map;
     for (std::size_t left = readCountOf<LocalOccupancy>(reader); left > 0; --left)
@@ -222,6 +269,7 @@ WorldMap worldMapFromBytes(const std::string& bytes) {
     for (std::size_t left = readCountOf<ColoredCloud>(reader); left > 0; --left)
       map.put(readCloud(reader));
     map.put(readTrajectory(reader));
+    if (version != kVersionWithoutScans) map.put(readScans(reader));
     if (!reader.atEnd()) throw std::runtime_error("it has something behind its end");
     return map;
   } catch (const std::logic_error& error) {  // what WorldMap refuses

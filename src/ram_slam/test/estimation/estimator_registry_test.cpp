@@ -37,5 +37,17 @@ TEST(EstimatorRegistry, NamesTheKnownOnesWhenAskedForAnother) {
   }
 }
 
+TEST(EstimatorRegistry, MakesEstimatorsThatBeginInAMap) {
+  const EstimatorFactory dummy = [] { return std::make_unique<DummyEstimator>(); };
+  EXPECT_TRUE(startingIn(dummy, {}, {}, false)()->isLost());
+  EXPECT_THROW(startingIn(dummy, {}, {}, true), std::invalid_argument);  // it cannot fix a map
+}
+
+TEST(EstimatorRegistry, RefusesAMapInWhichNoRobotCanBeFound) {
+  ram_parameters::ParameterReader reader(YAML::Node(), "test");
+  EXPECT_THROW(startingIn(findEstimator("fast_slam")(reader, {}), {}, {}, false),
+               std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace ram_slam

@@ -156,5 +156,41 @@ TEST(KeyScanMap, ScanWhosePoseChangesBeforeItIsDrawnIsDrawnOnce) {
   EXPECT_EQ(map.mapper().grid().cells, truth.mapper().grid().cells);
 }
 
+TEST(KeyScanMap, WithoutItsNewestScansIsAsItWasBefore) {
+  KeyScanMap before(OccupancyMapperParameters{});
+  for (int k = 0; k < 6; ++k) before.add(scanAt(100 * k), estimated(k), kBaseFromLaser);
+  before.draw();
+  KeyScanMap map = mapOfTenScans(estimated);
+  EXPECT_EQ(map.removeAfter(500), 4);
+  EXPECT_EQ(map.scanCount(), 6u);
+  EXPECT_EQ(map.mapper().grid().cells, before.mapper().grid().cells);
+  EXPECT_EQ(map.removeAfter(500), 0);
+  EXPECT_TRUE(map.add(scanAt(600), estimated(7), kBaseFromLaser));
+}
+
+TEST(KeyScanMap, ContinuesAMapOfWhichItWasGivenTheScans) {
+  const KeyScanMap whole = mapOfTenScans(estimated);
+  KeyScanMap first(OccupancyMapperParameters{});
+  for (int k = 0; k < 5; ++k) first.add(scanAt(100 * k), estimated(k), kBaseFromLaser);
+  first.draw();
+  KeyScanMap second(OccupancyMapperParameters{}, first.scans());
+  EXPECT_EQ(second.mapper().grid().cells, first.mapper().grid().cells);
+  for (int k = 5; k < 10; ++k) second.add(scanAt(100 * k), estimated(k), kBaseFromLaser);
+  second.draw();
+  EXPECT_EQ(second.mapper().grid().cells, whole.mapper().grid().cells);
+  EXPECT_EQ(second.scans().size(), 10u);
+  EXPECT_EQ(second.scans()[3].map_from_laser.x_m, whole.scans()[3].map_from_laser.x_m);
+}
+
+TEST(KeyScanMap, LeavesLoadedScansWhereTheyAre) {
+  const std::vector<PlacedScan> loaded = mapOfTenScans(estimated).scans();
+  KeyScanMap map(OccupancyMapperParameters{}, loaded);
+  Trajectory trajectory;
+  for (int k = 0; k < 10; ++k) trajectory.push_back({100 * k, corrected(k)});
+  EXPECT_EQ(map.correct(trajectory), 0);
+  EXPECT_EQ(map.removeAfter(0), 0);
+  EXPECT_EQ(map.scans().size(), 10u);
+}
+
 }  // namespace
 }  // namespace ram_slam

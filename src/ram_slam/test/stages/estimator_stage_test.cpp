@@ -213,5 +213,21 @@ TEST_F(EstimatorStageTest, AReadingAfterAGapIsTakenInHoweverLittleTheRobotMoved)
   EXPECT_FALSE(read(5 * kSecond)) << "the gap is over";
 }
 
+TEST_F(EstimatorStageTest, StatesWhetherTheRobotIsLostAtFirstAndWhenThatChanges) {
+  read(kSecond);
+  const auto first = stage_->takeTrackingChange();
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(first->is_lost);
+  EXPECT_EQ(first->stamp_ns, kSecond);
+  EXPECT_FALSE(stage_->takeTrackingChange());
+  stage_->estimator().forgetPose();
+  const auto lost = stage_->takeTrackingChange();
+  ASSERT_TRUE(lost);
+  EXPECT_TRUE(lost->is_lost);
+  EXPECT_FALSE(stage_->takeTrackingChange());
+  stage_->reset();
+  EXPECT_TRUE(stage_->takeTrackingChange());
+}
+
 }  // namespace
 }  // namespace ram_slam

@@ -102,5 +102,17 @@ TEST(MapViews, FollowTheirPathAndLeaveWithIt) {
   EXPECT_EQ(map.judge(way, {4.5, 1.5, 0.0}).compared_count, 0);
 }
 
+TEST(MapViews, LoadedOnesStayWhereTheyAreOnEveryPath) {
+  const Walls room = oddRoom();
+  MapViews map;
+  const Pose2 pose{9.2, 1.2, 0.1};
+  map.addLoaded({pose, viewIn(room, pose)});
+  map.addLoaded({pose, viewIn(room, pose)});  // of the same place
+  EXPECT_EQ(map.size(), 1u);
+  map.follow(Trajectory{{1, {50.0, 50.0, 0.0}}, {2, {51.0, 50.0, 0.0}}});
+  EXPECT_EQ(map.size(), 1u);
+  EXPECT_LT(map.contradictionRatio(*viewIn(room, pose), pose).value_or(1.0), 0.02);
+}
+
 }  // namespace
 }  // namespace ram_slam

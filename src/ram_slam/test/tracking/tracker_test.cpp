@@ -205,5 +205,39 @@ TEST_F(Kidnapped, ACheckpointThatTheFilterRefusesChangesNothing) {
   EXPECT_FALSE(slam_.lost());
 }
 
+TEST_F(Kidnapped, FindsItsPlaceByTheViewsOfALoadedMapAndLeavesTheMapAsItIs) {
+  mapTheRoom();
+  std::vector<PlacedView> views;
+  for (double x_m = 1.0; x_m < 13.0; x_m += 0.5) {
+    const Pose2 place{x_m, 1.5, 0.0};
+    TestLaser laser;
+    laser.beam_count = 720;
+    laser.field_of_view_rad = 2.0 * M_PI * 719.0 / 720.0;
+    views.push_back({start_.inverse() * place, std::make_shared<const LaserView>(
+                                                   scanWalls(walls_, place, 1, laser), Pose2{})});
+  }
+  const LandmarkMap map = slam_.filter().landmarks();
+  slam_ = Tracker(FastSlamParameters{}, RecoveryParameters{});
+  odometry_ = {};
+  slam_.setMap(map, views);
+  slam_.fixMap();
+  EXPECT_TRUE(slam_.lost());
+  EXPECT_EQ(slam_.certainUntil_ns(), 0);
+  truth_ = {5.0, 1.4, 0.1};
+  look({});
+  for (int i = 0; i < 80 && slam_.lost(); ++i) look({kStep_m, 0.0, 0.0});
+  ASSERT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.1);
+  drive(2.0);
+  EXPECT_LT(error_m(), 0.05);
+  const LandmarkMap after = slam_.filter().landmarks();
+  ASSERT_EQ(after.landmarks.size(), map.landmarks.size());
+  for (std::size_t i = 0; i < after.landmarks.size(); ++i) {  // means over equal values: rounding
+    EXPECT_NEAR((after.landmarks[i].mean_m - map.landmarks[i].mean_m).norm(), 0.0, 1e-12);
+    EXPECT_EQ(after.landmarks[i].existence_log_odds, map.landmarks[i].existence_log_odds);
+  }
+  EXPECT_THROW(slam_.followTrajectory(slam_.filter().trajectory()), std::runtime_error);
+}
+
 }  // namespace
 }  // namespace ram_slam

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "ram_slam/world_map/world_map.hpp"
 
@@ -58,6 +60,20 @@ inline ColoredCloud cloudAt(const SpatialPose& map_from_frame, const std::string
       55, frame, map_from_frame, {{0.0F, 0.0F, 1.0F, 0xff0000U}, {2.0F, 0.0F, 1.0F, 0x00ff00U}}};
 }
 
+inline PlacedScan placedScan(std::int64_t stamp_ns, double x_m) {
+  PlacedScan placed;
+  placed.scan.stamp_ns = stamp_ns;
+  placed.scan.angle_min_rad = -1.0;
+  placed.scan.angle_increment_rad = 0.5;
+  placed.scan.time_increment_s = 1e-3;
+  placed.scan.range_max_m = 20.0F;
+  placed.scan.ranges_m = {1.0F, std::numeric_limits<float>::infinity(), 2.5F};
+  placed.base_from_laser = {0.2, 0.0, 0.1};
+  placed.map_from_laser = {x_m, 0.3, -0.7};
+  placed.last_beam = {0.01, 0.0, 0.001};
+  return placed;
+}
+
 inline WorldMap exampleWorld() {
   WorldMap map;
   map.put(occupancyAt(poseAt(0.0, 0.0), 10, "map"));
@@ -65,6 +81,7 @@ inline WorldMap exampleWorld() {
   map.put(exampleLandmarks());
   map.put(cloudAt(poseAt(1.0, 1.0, M_PI), "camera"));
   map.put(Trajectory{{100, {0.0, 0.0, 0.0}}, {200, {1.0, 0.5, 0.25}}});
+  map.put(std::vector<PlacedScan>{placedScan(100, 1.0), placedScan(50, 2.0)});
   return map;
 }
 

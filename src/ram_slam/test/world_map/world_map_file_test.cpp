@@ -42,12 +42,18 @@ TEST(WorldMapFile, GivesBackTheWholeMap) {
   ASSERT_EQ(read.trajectory().size(), 2u);
   EXPECT_EQ(read.trajectory()[1].stamp_ns, 200);
   EXPECT_EQ(read.trajectory()[1].pose.yaw_rad, 0.25);
+
+  ASSERT_EQ(read.scans().size(), 2u);
+  EXPECT_EQ(read.scans()[1].scan.stamp_ns, 50);
+  EXPECT_EQ(read.scans()[1].scan.ranges_m, map.scans()[1].scan.ranges_m);
+  EXPECT_EQ(read.scans()[1].map_from_laser.x_m, 2.0);
+  EXPECT_EQ(read.scans()[1].last_beam.yaw_rad, 0.001);
 }
 
 TEST(WorldMapFile, BytesAreTheSameOnEveryMachine) {
   const std::string bytes = toBytes(WorldMap());
-  EXPECT_EQ(bytes.substr(0, 20), std::string("RAMWORLD\1\0\0\0\x30\0\0\0\0\0\0\0", 20));
-  EXPECT_EQ(bytes.size(), 28u + 6 * 8);  // five counts and a stamp, all zero
+  EXPECT_EQ(bytes.substr(0, 20), std::string("RAMWORLD\2\0\0\0\x38\0\0\0\0\0\0\0", 20));
+  EXPECT_EQ(bytes.size(), 28u + 7 * 8);  // six counts and a stamp, all zero
 }
 
 TEST(WorldMapFile, RefusesAFileCutAnywhere) {
@@ -72,13 +78,32 @@ TEST(WorldMapFile, NamesWhatIsWrong) {
   EXPECT_THAT([] { worldMapFromBytes(""); },
               ThrowsMessage<std::runtime_error>(HasSubstr("not a world map")));
   std::string newer = bytes;
-  newer[8] = 2;
+  newer[8] = 3;
   EXPECT_THAT([&] { worldMapFromBytes(newer); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("version 2")));
+              ThrowsMessage<std::runtime_error>(HasSubstr("version 3")));
   std::string damaged = bytes;
   damaged.back() = 'x';
   EXPECT_THAT([&] { worldMapFromBytes(damaged); },
               ThrowsMessage<std::runtime_error>(HasSubstr("damaged")));
+}
+
+TEST(WorldMapFile, OfTheVersionWithoutScansIsStillRead) {
+  WorldMap map = exampleWorld();
+  map.put(std::vector<PlacedScan>{});
+  std::string bytes = toBytes(map);
+  bytes.resize(bytes.size() - 8);  // the number of scans
+  const std::string content = bytes.substr(28);
+  bytes[8] = 1;
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (const char byte : content)
+    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3ULL;
+  for (std::size_t i = 0; i < 8; ++i) {
+    bytes[12 + i] = static_cast<char>(content.size() >> (8 * i));
+    bytes[20 + i] = static_cast<char>(hash >> (8 * i));
+  }
+  const WorldMap read = worldMapFromBytes(bytes);
+  EXPECT_EQ(read.landmarks().landmarks.size(), 3u);
+  EXPECT_TRUE(read.scans().empty());
 }
 
 /// A file that is whole, with a checksum that is right, but counts that are not.

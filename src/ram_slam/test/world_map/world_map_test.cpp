@@ -143,5 +143,15 @@ TEST(WorldMap, RefusesBadPartsAndStaysAsItWas) {
   EXPECT_EQ(map.trajectory().size(), 2u);
 }
 
+TEST(WorldMap, RefusesScansThatAreOfNoUse) {
+  WorldMap map;
+  PlacedScan no_readings = placedScan(1, 0.0);
+  no_readings.scan.ranges_m.clear();
+  EXPECT_THROW(map.put(std::vector<PlacedScan>{no_readings}), std::invalid_argument);
+  PlacedScan nowhere = placedScan(1, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THROW(map.put(std::vector<PlacedScan>{nowhere}), std::invalid_argument);
+  EXPECT_TRUE(map.empty());
+}
+
 }  // namespace
 }  // namespace ram_slam

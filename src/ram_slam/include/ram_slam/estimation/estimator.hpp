@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,15 @@
 #include "ram_slam/tracking/checkpoint.hpp"
 
 namespace ram_slam {
+
+/// Whether an estimator knows where the robot is.
+struct Tracking {
+  bool is_lost = false;
+  std::int64_t stamp_ns = 0;  ///< of the reading after which that changed
+  /// Lost: of the last reading whose pose is certain. What was seen later was seen from an unknown
+  /// place.
+  std::int64_t certain_until_ns = 0;
+};
 
 /// Estimates the robot's pose and a map of landmarks from features and motion. It knows neither the
 /// robot nor the sensor. Deterministic: the same input gives the same bytes.
@@ -49,6 +59,8 @@ public:
 
   /// Whether the robot does not know where it is. Then the map must not be changed by anyone.
   virtual bool isLost() const { return false; }
+  /// While lost: stamp of the last reading whose pose is certain; 0: of none.
+  virtual std::int64_t certainUntil_ns() const { return stamp_ns(); }
   /// "tracking", or in plain English why it is lost.
   virtual std::string state() const { return "tracking"; }
   /// Named figures for diagnostics.
@@ -65,8 +77,12 @@ public:
   /// The robot may be anywhere in its map. Estimators that cannot search it ignore this.
   virtual void forgetPose() {}
   /// Begins with a map made before, in which the robot's place is not known.
+  /// \param views  what a sensor saw at places of that map; may be empty
   /// \throws std::invalid_argument if the map is unusable; nothing has changed
-  virtual void setMap(const LandmarkMap& map) = 0;
+  virtual void setMap(const LandmarkMap& map, const std::vector<PlacedView>& views) = 0;
+  /// From now on only the pose is estimated; the map stays as it is.
+  /// \throws std::invalid_argument if the estimator cannot do that
+  virtual void fixMap() { throw std::invalid_argument("this estimator cannot keep a map fixed"); }
 
   /// What restore() needs to continue from here.
   virtual Checkpoint checkpoint() const = 0;

@@ -16,6 +16,15 @@ namespace ram_slam {
 /// asks for a reset.
 using EstimatorFactory = std::function<std::unique_ptr<Estimator>()>;
 
+/// Makes estimators that begin, lost, with a map made before.
+/// \param is_fixed  they only estimate the pose
+/// \throws std::invalid_argument if the estimator cannot be lost in that map: it has no landmarks,
+/// or the search for a lost robot is disabled; or as Estimator::setMap() and fixMap()
+EstimatorFactory startingIn(EstimatorFactory make,
+                            LandmarkMap map,
+                            std::vector<PlacedView> views,
+                            bool is_fixed);
+
 /// Reads the estimator's own parameters, once. \throws std::invalid_argument if one is refused
 using EstimatorReader =
     std::function<EstimatorFactory(ram_parameters::ParameterReader& reader, FeatureMatchers)>;

@@ -31,6 +31,7 @@ public:
   Trajectory trajectory() const override { return slam_.filter().trajectory(); }
   LandmarkMap landmarks() const override { return slam_.filter().landmarks(); }
   bool isLost() const override { return slam_.lost(); }
+  std::int64_t certainUntil_ns() const override { return slam_.certainUntil_ns(); }
   std::string state() const override;
   std::vector<std::pair<std::string, double>> health() const override;
   void setPose(const PoseWithCovariance2& map_from_base) override { slam_.setPose(map_from_base); }
@@ -38,7 +39,10 @@ public:
     return slam_.followTrajectory(corrected);
   }
   void forgetPose() override { slam_.forgetPose(); }
-  void setMap(const LandmarkMap& map) override { slam_.setMap(map); }
+  void setMap(const LandmarkMap& map, const std::vector<PlacedView>& views) override {
+    slam_.setMap(map, views);
+  }
+  void fixMap() override { slam_.fixMap(); }
   Checkpoint checkpoint() const override { return slam_.checkpoint(); }
   void restore(const Checkpoint& checkpoint) override { slam_.restore(checkpoint); }
 

@@ -100,6 +100,10 @@ public:
   /// validate(Trajectory); nothing has changed then
   void setMap(const LandmarkMap& map, const std::vector<StampedPose2>& path = {});
 
+  /// From now on only the pose is estimated: no landmark is added, changed or removed.
+  void fixMap() { is_map_fixed_ = true; }
+  bool isMapFixed() const { return is_map_fixed_; }
+
   /// Bends the map so that the robot came along the corrected trajectory, as a smoother found it:
   /// each landmark moves with the pose from which it was first seen, the particles with the newest
   /// one. The first common pose stays where it is. Landmarks that come to lie on an older one like
@@ -153,6 +157,7 @@ private:
   SharedError shared_error_;
   FastSlamQuality quality_;
   std::vector<Association> associations_;
+  bool is_map_fixed_ = false;
   std::int64_t stamp_ns_ = 0;
   std::uint64_t update_count_ = 0;
   std::int64_t updated_ns_ = 0;       ///< when poses were sampled and maps updated last

@@ -6,12 +6,14 @@
 #include <exception>
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
 #include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
 #include "ram_slam/sensing/laser_scan.hpp"
+#include "ram_slam/sensing/placed_scan.hpp"
 
 namespace ram_slam {
 
@@ -23,8 +25,11 @@ namespace ram_slam {
 /// changes before anyone asks for the map is drawn once.
 class KeyScanMap {
 public:
-  /// \throws std::invalid_argument as OccupancyMapperParameters::validate()
-  explicit KeyScanMap(const OccupancyMapperParameters& parameters);
+  /// \param loaded  scans of a map made before, which this one continues: they stay where they are
+  /// \throws std::invalid_argument as OccupancyMapperParameters::validate(), or std::length_error
+  /// as OccupancyMapper::add()
+  explicit KeyScanMap(const OccupancyMapperParameters& parameters,
+                      std::vector<PlacedScan> loaded = {});
 
   /// Keeps a scan if it is a key scan.
   /// \param last_beam  pose of the laser at the last beam, seen from the first one
@@ -41,6 +46,10 @@ public:
   /// many scans moved \throws std::invalid_argument as validate(Trajectory)
   int correct(const Trajectory& map_from_base);
 
+  /// Takes out the scans of later stamps than this one; loaded ones and those that are no longer
+  /// kept stay. \return how many
+  int removeAfter(std::int64_t stamp_ns);
+
   /// Called for a scan that cannot be drawn because of its pose or the map's size limit.
   using DrawFailure = std::function<void(std::int64_t stamp_ns, const std::exception& error)>;
   /// Draws new scans, and moved ones again. A new scan that cannot be drawn is forgotten, a moved
@@ -50,6 +59,9 @@ public:
   /// As draw() left it.
   const OccupancyMapper& mapper() const { return mapper_; }
   std::size_t scanCount() const { return scans_.size(); }
+  const std::vector<PlacedScan>& loaded() const { return loaded_; }
+  /// All scans that are kept, where draw() left them: the loaded ones first.
+  std::vector<PlacedScan> scans() const;
   /// Scans that are in the map but no longer kept, so that no correction moves them.
   std::size_t settledCount() const { return settled_count_; }
 
@@ -71,6 +83,7 @@ private:
 
   OccupancyMapperParameters parameters_;
   OccupancyMapper mapper_;
+  std::vector<PlacedScan> loaded_;
   std::deque<KeyScan> scans_;
   std::size_t settled_count_ = 0;
 };

@@ -39,6 +39,7 @@ struct OccupancyMapperParameters {
   std::string base_frame = "base_link";  ///< the frame whose trajectory is corrected
   std::string map_folder =
       "~/.ros/maps";                 ///< where save_map writes; a leading ~ is the home folder
+  std::string initial_map;           ///< folder or file of a saved map to continue; empty: none
   double publish_period_s = 5.0;     ///< between whole maps
   double update_period_s = 0.5;      ///< between map updates
   double transform_timeout_s = 2.0;  ///< wall time that a scan waits for its pose

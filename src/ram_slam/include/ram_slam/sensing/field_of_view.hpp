@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/sensing/beam_finder.hpp"
 #include "ram_slam/sensing/laser_scan.hpp"
+#include "ram_slam/sensing/placed_scan.hpp"
 
 namespace ram_slam {
 
@@ -36,6 +38,12 @@ public:
   /// Some of the points at which the sensor saw something, spread evenly over the view; none if the
   /// sensor does not measure them.
   virtual const std::vector<Eigen::Vector2d>& surface_m() const;
+};
+
+/// A view from a known place.
+struct PlacedView {
+  Pose2 map_from_base;
+  std::shared_ptr<const FieldOfView> view;
 };
 
 /// The share of what two views both know about that they contradict each other in, if the base
@@ -76,5 +84,8 @@ private:
   Eigen::Vector2d base_from_laser_m_;
   std::vector<Eigen::Vector2d> surface_m_;
 };
+
+/// The views of a map's scans. \throws std::invalid_argument as LaserScan::validate()
+std::vector<PlacedView> viewsOf(const std::vector<PlacedScan>& scans);
 
 }  // namespace ram_slam

@@ -23,6 +23,7 @@ enum class DropReason {
   kQueueFull,          ///< more is waiting than can be used
   kMapFull,            ///< the map would grow beyond its size limit
   kPaused,             ///< the stage is paused
+  kLost,               ///< the robot does not know where it was at the stamp
 };
 
 /// One line of plain English, without stamps or numbers, so that it can be a key.

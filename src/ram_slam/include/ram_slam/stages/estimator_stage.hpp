@@ -40,7 +40,7 @@ public:
                  const EstimatorStageParameters& parameters);
 
   /// The motion since the estimator's last reading; nothing if the model does not know it (yet).
-  /// Begins again with an empty map if the clock was set back.
+  /// Begins again (reset()) if the clock was set back.
   std::optional<MotionStep> motionUntil(std::int64_t stamp_ns);
   /// Why motionUntil() gave nothing.
   const std::string& missingMotion() const { return missing_motion_; }
@@ -67,7 +67,10 @@ public:
   /// \throws as Estimator::followTrajectory()
   Trajectory follow(Trajectory smoothed);
 
-  /// Begins again with an empty map.
+  /// Whether the robot is lost, at the first call and when that has changed since the last one.
+  std::optional<Tracking> takeTrackingChange();
+
+  /// Begins again with the map that the factory gives: an empty one, if none was loaded.
   void reset();
   /// How often the clock was set back or reset() was called.
   int resetCount() const { return reset_count_; }
@@ -88,6 +91,7 @@ private:
   bool bridges_ = false;
   std::optional<Trajectory> correction_;
   int reset_count_ = 0;
+  std::optional<bool> stated_lost_;  ///< by takeTrackingChange()
   DropCounter drops_;
 };
 

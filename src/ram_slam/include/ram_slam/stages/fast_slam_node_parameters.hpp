@@ -57,7 +57,8 @@ struct FastSlamNodeParameters {
   std::vector<std::string> feature_topics = {"features"};
   bool use_scan = true;
   double output_period = 1.0;      ///< [s]
-  std::string initial_map;         ///< file of a world map; empty: none
+  std::string initial_map;         ///< folder or file of a saved map; empty: none
+  bool localise_only = false;      ///< in the initial map
   std::string checkpoint_file;     ///< empty: no checkpoints
   double checkpoint_period = 2.0;  ///< [s]
   EstimatorStageParameters readings;

@@ -72,7 +72,10 @@ public:
            const Pose2& map_from_base,
            double path_m,
            std::shared_ptr<const FieldOfView> view);
+  /// A view of a map made before: it stays where it is.
+  void addLoaded(const PlacedView& placed);
   /// The map has come to be another one: its views lie on this path; those that do not are dropped.
+  /// Loaded ones stay.
   void follow(const Trajectory& path);
   void clear();
   bool empty() const { return places_.empty(); }
@@ -108,8 +111,10 @@ private:
     Pose2 map_from_base;
     std::shared_ptr<const FieldOfView> view;
     double agreed_at_m = 0.0;  ///< of the way, when it agreed with the robot's view last
+    bool is_loaded = false;
   };
 
+  bool knowsPlace(const Pose2& map_from_base) const;
   /// Indices of the places near enough to be compared, the nearest first.
   std::vector<std::size_t> near(const Pose2& map_from_base) const;
 

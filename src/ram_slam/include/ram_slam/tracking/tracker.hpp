@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
@@ -45,6 +46,8 @@ public:
   const TrackingState& state() const { return state_; }
   bool lost() const { return std::holds_alternative<Lost>(state_); }
   LostReason reason() const;
+  /// While lost: stamp of the last reading whose pose is certain; stamp_ns() otherwise.
+  std::int64_t certainUntil_ns() const;
   /// How the last readings and the map agree; while lost, how they did when that was noticed.
   const MapAgreement& agreement() const { return monitor_.agreement(); }
   /// At stamp_ns(). While lost: where odometry alone leads from the last certain pose, with a
@@ -60,9 +63,11 @@ public:
   Pose2 followTrajectory(const Trajectory& smoothed);
   /// The robot can be anywhere in the map; without a landmark in the map nothing happens.
   void forgetPose();
-  /// Begins with a map learned before, of which the robot's place is not known. \throws as
-  /// FastSlam::setMap()
-  void setMap(const LandmarkMap& map);
+  /// Begins with a map learned before, of which the robot's place is not known.
+  /// \param views  of places in that map \throws as FastSlam::setMap()
+  void setMap(const LandmarkMap& map, const std::vector<PlacedView>& views = {});
+  /// As FastSlam::fixMap(); no views are added either.
+  void fixMap() { filter_.fixMap(); }
 
   /// What restore() needs to go on from here; nothing of the sort before started().
   Checkpoint checkpoint() const;

@@ -13,6 +13,7 @@
 
 #include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/occupancy/occupancy_grid.hpp"
+#include "ram_slam/sensing/placed_scan.hpp"
 
 namespace ram_slam {
 
@@ -100,10 +101,11 @@ struct MapRegion {
 };
 
 /// The belief about the world that outlives robots, sensors and estimators: occupancy, landmarks
-/// with their joint covariance, coloured clouds and the history of the pose, in one map frame.
+/// with their joint covariance, coloured clouds, the scans that the grid was drawn from and the
+/// history of the pose, in one map frame.
 ///
-/// What comes replaces what it is about: a grid or cloud the older one of its own frame, landmarks
-/// and trajectory the older ones whole. Copies are cheap: they share what they hold.
+/// What comes replaces what it is about: a grid or cloud the older one of its own frame, landmarks,
+/// scans and trajectory the older ones whole. Copies are cheap: they share what they hold.
 class WorldMap {
 public:
   /// Most cells in all grids together and in a region, most landmarks, most points in all clouds
@@ -111,6 +113,8 @@ public:
   static constexpr std::size_t kMaxCells = kMaxGridCells;
   static constexpr std::size_t kMaxLandmarks = 1'000'000;
   static constexpr std::size_t kMaxPoints = 50'000'000;
+  /// Most readings in all scans together: 800 MB.
+  static constexpr std::size_t kMaxReadings = 200'000'000;
 
   /// All refuse with std::invalid_argument what is not finite, not in order or inconsistent, with
   /// std::length_error what would make the map too large; the map is unchanged then.
@@ -118,9 +122,10 @@ public:
   void put(ColoredCloud cloud);
   void put(LandmarkLayer landmarks);
   void put(Trajectory trajectory);
+  void put(std::vector<PlacedScan> scans);
 
   bool empty() const {
-    return occupancies_.empty() && clouds_.empty() && !landmarks_ && !trajectory_;
+    return occupancies_.empty() && clouds_.empty() && !landmarks_ && !trajectory_ && !scans_;
   }
 
   /// By frame.
@@ -132,6 +137,9 @@ public:
   }
   const LandmarkLayer& landmarks() const;
   const Trajectory& trajectory() const;
+  /// The scans that the grid of the whole map was drawn from; their stamps are of the clock of
+  /// their run.
+  const std::vector<PlacedScan>& scans() const;
 
   /// Where grids overlap, each cell is that of the newest that knows it; the newest also gives the
   /// size of the cells. \throws std::invalid_argument if the box is empty or not finite;
@@ -147,6 +155,7 @@ private:
   std::map<std::string, std::shared_ptr<const ColoredCloud>> clouds_;
   std::shared_ptr<const LandmarkLayer> landmarks_;
   std::shared_ptr<const Trajectory> trajectory_;
+  std::shared_ptr<const std::vector<PlacedScan>> scans_;
 };
 
 }  // namespace ram_slam

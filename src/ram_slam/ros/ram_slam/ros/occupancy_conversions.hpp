@@ -7,10 +7,12 @@
 #include <map_msgs/OccupancyGridUpdate.h>
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Path.h>
+#include <ram_slam_msgs/KeyScan.h>
 
 #include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/occupancy/occupancy_grid.hpp"
 #include "ram_slam/occupancy/occupancy_mapper.hpp"
+#include "ram_slam/sensing/placed_scan.hpp"
 
 namespace ram_slam_ros {
 
@@ -37,5 +39,10 @@ ram_slam::Trajectory toTrajectory(const nav_msgs::Path& message);
 
 /// The other way; the path's stamp is that of its last pose.
 nav_msgs::Path toPath(const ram_slam::Trajectory& trajectory, const std::string& frame_id);
+
+/// toPlacedScan() gives back the same numbers if those of the scan were read from a message.
+ram_slam_msgs::KeyScan toKeyScanMessage(const ram_slam::PlacedScan& placed);
+/// As it is, without what toLaserScan() makes of the readings of drivers.
+ram_slam::PlacedScan toPlacedScan(const ram_slam_msgs::KeyScan& message);
 
 }  // namespace ram_slam_ros
