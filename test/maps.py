@@ -14,6 +14,7 @@ import unittest
 
 import rospy
 import rostest
+import yaml
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from nav_msgs.srv import GetMap
@@ -29,6 +30,9 @@ CONTINUED_TOUR = ((3, 6), (39, 6), (39, 18), (20, 18), (20, 12))
 FOUND_WITHIN_M = 10.0
 MAX_ERROR_M = 0.1
 MAX_RMSE_M = 0.05
+MIN_GROWTH = 1.2  # of the known cells, by the second half of the building
+MIN_KEPT = 0.95
+OCCUPIED_PIXEL, UNKNOWN_PIXEL = 0, 205
 
 
 def yaw_of(orientation):
@@ -111,8 +115,19 @@ def rmse(errors):
     return math.sqrt(sum(error * error for error in errors) / len(errors))
 
 
-def known_cells(grid):
-    return sum(1 for cell in grid.data if cell >= 0)
+def cells_of(folder):
+    """Known and occupied cells of a saved map, by their places in the map frame."""
+    with open(os.path.join(folder, "map.yaml")) as file:
+        description = yaml.safe_load(file)
+    with open(os.path.join(folder, "map.pgm"), "rb") as file:
+        assert file.readline() == b"P5\n" and file.readline().startswith(b"#")
+        width, height = (int(word) for word in file.readline().split())
+        assert file.readline() == b"255\n"
+        pixels = file.read()
+    column, row = (round(description["origin"][i] / description["resolution"]) for i in (0, 1))
+    places = {(i % width + column, height - 1 - i // width + row): pixel for i, pixel in enumerate(pixels)}
+    return ({place for place, pixel in places.items() if pixel != UNKNOWN_PIXEL},
+            {place for place, pixel in places.items() if pixel == OCCUPIED_PIXEL})
 
 
 class Maps(unittest.TestCase):
@@ -129,6 +144,9 @@ class Maps(unittest.TestCase):
     def test_1_a_map_is_saved(self):
         self.drive = Drive((1, 6, 0), FIRST_TOUR, "roslaunch ramscout_bringup slam.launch")
         self.drive.wait_for_end()
+        code, text = run("rosservice call /map_smoother/optimize")
+        self.assertIn("success: True", text)
+        time.sleep(2.0)  # until estimator and mapper have followed
         code, text = run("rosservice call /world_map/save_map office")
         self.assertEqual(code, 0, text)
         self.assertIn("success: True", text)
@@ -168,13 +186,22 @@ class Maps(unittest.TestCase):
         self.assertLess(self.drive.driven_until(found_ns), FOUND_WITHIN_M)
         self.assertLess(rmse(errors), MAX_RMSE_M)
         self.assertEqual(digests(self.folder("office")), before)
-        old = rospy.ServiceProxy("static_map", GetMap)().map
+        code, text = run("rosservice call /map_smoother/optimize")
+        rospy.loginfo(text)
+        self.assertIn("success: True", text)
+        self.assertNotIn(" 0 closures", text)
+        time.sleep(2.0)
         code, text = run("rosservice call /world_map/save_map larger_office")
         self.assertIn("success: True", text)
         code, text = run("rosrun ramscout_bringup inspect_map --folder %s larger_office" % os.path.dirname(self.folder("office")))
         self.assertEqual(code, 0, text)
         rospy.loginfo(text)
-        self.assertGreater(known_cells(old), 0)
+        known, occupied = cells_of(self.folder("office"))
+        known_now, occupied_now = cells_of(self.folder("larger_office"))
+        kept = len(occupied & occupied_now) / len(occupied)
+        rospy.loginfo("%d cells known, then %d; %.3f of %d occupied ones kept", len(known), len(known_now), kept, len(occupied))
+        self.assertGreater(len(known_now), MIN_GROWTH * len(known))
+        self.assertGreater(kept, MIN_KEPT)
 
     def test_4_a_wrong_start_ends_with_one_line(self):
         for arguments, reason in (("mode:=localize map:=office", "mode must be new, continue or localise, not 'localize'"),

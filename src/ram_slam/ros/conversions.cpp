@@ -214,4 +214,14 @@ ram_slam_msgs::FeatureList toFeatureListMessage(const ram_slam::FeatureList& lis
   return message;
 }
 
+ram_slam::Tracking toTracking(const ram_slam_msgs::Tracking& message,
+                              const std::string& map_frame) {
+  if (message.header.frame_id != map_frame) {
+    throw std::invalid_argument("its frame is '" + message.header.frame_id + "', not '" +
+                                map_frame + "'");
+  }
+  return {static_cast<bool>(message.lost), toNanoseconds(message.header.stamp),
+          toNanoseconds(message.certain_until), toPose2(message.pose)};
+}
+
 }  // namespace ram_slam_ros

@@ -61,6 +61,7 @@ void FastSlamNode::publishLost() {
   tracking.header.stamp = toTime(change->stamp_ns);
   tracking.lost = change->is_lost;
   tracking.certain_until = toTime(change->certain_until_ns);
+  tracking.pose = toPoseMessage(change->map_from_base);
   tracking_.publish(tracking);
 }
 

@@ -15,7 +15,7 @@
 namespace ram_slam_ros {
 MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readMapSmootherParameters(reader)),
-      stage_(parameters_, matchers_.matchers()),
+      stage_(parameters_, matchers_.matchers(), loadScans(parameters_.initial_map)),
       scans_(parameters_.base_frame, transforms_),
       diagnostics_("smoothing", [this]() -> StageDiagnostics::Report {
         return {stage_.drops(),
@@ -31,6 +31,7 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
       node_.subscribe("odom", kQueueSize, &MapSmootherNode::onOdometry, this, hints);
   features_subscriber_ =
       node_.subscribe("features", kQueueSize, &MapSmootherNode::onFeatures, this, hints);
+  tracking_subscriber_ = node_.subscribe("tracking", 10, &MapSmootherNode::onTracking, this, hints);
   optimize_service_ =
       private_node_.advertiseService("optimize", &MapSmootherNode::onOptimize, this);
   undo_service_ =
@@ -60,6 +61,15 @@ void MapSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
   } catch (const std::exception& error) {
     stage_.drops().add(ram_slam::DropReason::kInvalidFeatures, toNanoseconds(message.header.stamp),
                        error.what());
+  }
+}
+
+void MapSmootherNode::onTracking(const ram_slam_msgs::Tracking& message) {
+  try {
+    stage_.set(toTracking(message, parameters_.map_frame));
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM("Refused a message on " << tracking_subscriber_.getTopic() << ": "
+                                            << error.what());
   }
 }
 

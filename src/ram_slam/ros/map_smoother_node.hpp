@@ -5,6 +5,7 @@
 
 #include <nav_msgs/Odometry.h>
 #include <ram_slam_msgs/FeatureList.h>
+#include <ram_slam_msgs/Tracking.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <std_srvs/Trigger.h>
@@ -23,7 +24,8 @@ namespace ram_slam_ros {
 /// `scan` and `odom` (best from laser_odometry) in, `features` if there are any,
 /// `smoothed_trajectory` out (latched): the pose of the base at every scan, whenever a correction
 /// moved the robot and on `~optimize`. The estimator follows it. `~undo_closure` takes the newest
-/// accepted closure back. `smoothing_status` follows each scan.
+/// accepted closure back. `smoothing_status` follows each scan. What a lost robot sees (`tracking`)
+/// is left out.
 class MapSmootherNode {
 public:
   /// \throws std::invalid_argument if a parameter is refused
@@ -33,6 +35,7 @@ private:
   void onScan(const sensor_msgs::LaserScan& message);
   void onOdometry(const nav_msgs::Odometry& message);
   void onFeatures(const ram_slam_msgs::FeatureList& message);
+  void onTracking(const ram_slam_msgs::Tracking& message);
   bool onOptimize(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onUndoClosure(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   void processWaiting();
@@ -58,6 +61,7 @@ private:
   ros::Subscriber scan_subscriber_;
   ros::Subscriber odometry_subscriber_;
   ros::Subscriber features_subscriber_;
+  ros::Subscriber tracking_subscriber_;
   ros::ServiceServer optimize_service_;
   ros::ServiceServer undo_service_;
   StageDiagnostics diagnostics_;

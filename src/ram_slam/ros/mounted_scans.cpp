@@ -2,11 +2,14 @@
 #include "mounted_scans.hpp"
 
 #include <exception>
+#include <stdexcept>
 #include <utility>
 
+#include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/mounting.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
+#include "ram_slam/world_map/map_folder.hpp"
 
 #include "node_defaults.hpp"
 
@@ -54,6 +57,16 @@ std::optional<ram_slam::MountedScan> MountedScans::next(ram_slam::DropCounter& d
     }
   }
   return std::nullopt;
+}
+
+std::vector<ram_slam::PlacedScan> loadScans(const std::string& initial_map) {
+  if (initial_map.empty()) return {};
+  std::vector<ram_slam::PlacedScan> scans =
+      ram_slam::loadWorldMap(ram_slam::expandHome(initial_map)).scans();
+  if (scans.empty()) throw std::runtime_error(initial_map + ": it holds no scans to continue from");
+  ROS_INFO_STREAM("Continuing the map of " << scans.size() << " scans in " << initial_map
+                                           << " once the robot is found in it");
+  return scans;
 }
 
 }  // namespace ram_slam_ros

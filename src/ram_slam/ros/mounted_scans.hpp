@@ -4,11 +4,13 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <tf2_ros/buffer.h>
 
+#include "ram_slam/sensing/placed_scan.hpp"
 #include "ram_slam/stages/scan_synchroniser.hpp"
 
 namespace ram_slam_ros {
@@ -38,5 +40,9 @@ private:
   const tf2_ros::Buffer& transforms_;
   std::deque<Waiting> waiting_;
 };
+
+/// The scans of a saved map that is to be continued; none without a path.
+/// \throws std::runtime_error naming the file, as ram_slam::loadWorldMap() or if it has no scans
+std::vector<ram_slam::PlacedScan> loadScans(const std::string& initial_map);
 
 }  // namespace ram_slam_ros

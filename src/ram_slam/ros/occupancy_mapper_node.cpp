@@ -10,26 +10,10 @@
 #include "ram_slam/occupancy/map_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
-#include "ram_slam/world_map/map_folder.hpp"
 
 #include "node_defaults.hpp"
 
 namespace ram_slam_ros {
-namespace {
-
-/// The scans of the map to continue; none if there is no such map.
-std::vector<ram_slam::PlacedScan> loadScans(const std::string& initial_map) {
-  if (initial_map.empty()) return {};
-  std::vector<ram_slam::PlacedScan> scans =
-      ram_slam::loadWorldMap(ram_slam::expandHome(initial_map)).scans();
-  if (scans.empty()) throw std::runtime_error(initial_map + ": it holds no scans to continue from");
-  ROS_INFO_STREAM("Continuing the map of " << scans.size() << " scans in " << initial_map
-                                           << " once the robot is found in it");
-  return scans;
-}
-
-}  // namespace
-
 OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readOccupancyMapperParameters(reader)),
       stage_(parameters_, loadScans(parameters_.initial_map)),
@@ -166,11 +150,14 @@ void OccupancyMapperNode::onTrajectory(const nav_msgs::Path& message) {
 
 void OccupancyMapperNode::onTracking(const ram_slam_msgs::Tracking& message) {
   int removed_count = 0;
-  {
+  try {
+    const ram_slam::Tracking tracking = toTracking(message, parameters_.map_frame);
     const std::lock_guard lock(map_mutex_);
-    removed_count =
-        stage_.set({static_cast<bool>(message.lost), toNanoseconds(message.header.stamp),
-                    toNanoseconds(message.certain_until)});
+    removed_count = stage_.set(tracking);
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM("Refused a message on " << tracking_subscriber_.getTopic() << ": "
+                                            << error.what());
+    return;
   }
   if (message.lost) {
     ROS_WARN_STREAM("The robot is lost: took " << removed_count

@@ -51,7 +51,7 @@ TEST(Contract, KeyScanKeepsItsMd5Sum) {
 }
 
 TEST(Contract, TrackingKeepsItsMd5Sum) {
-  EXPECT_EQ(md5<ram_slam_msgs::Tracking>(), "8f31273787a9e8707c28b872fae77847");
+  EXPECT_EQ(md5<ram_slam_msgs::Tracking>(), "c093e8b98e5537d23768b2ef6ab13071");
 }
 
 TEST(Contract, GetDrawnMapKeepsItsMd5Sum) {

@@ -115,6 +115,7 @@ void FastSlam::setMap(const LandmarkMap& map, const std::vector<StampedPose2>& p
   for (const StampedPose2& pose : path) driven.append(pose);
   registry_ = std::move(registry);
   shared_error_.forget();
+  is_map_loaded_ = path.empty();
   for (Particle& particle : particles_) {
     particle.landmarks = landmarks;
     particle.path = driven;

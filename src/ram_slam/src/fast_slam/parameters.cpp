@@ -193,6 +193,10 @@ void addTuning(ParameterTable<P>& table) {
            "Weight of the past in the running means of quality, per list.")
       .add("drift_yaw_arm_m", &P::drift_yaw_arm_m, "m", atLeast(0.0),
            "Distance at which yaw counts as much as position where drifts are compared.")
+      .include(&P::loaded_frame,
+               motionGateTable("A corrected trajectory that is farther from the path in a loaded "
+                               "map is not in its frame."),
+               "loaded_frame_")
       .add("skipped_ids", &P::skipped_ids, "", within(0, 1000000),
            "Identifiers left out behind those of a map from a file: others may know landmarks that "
            "were created after it was written.")

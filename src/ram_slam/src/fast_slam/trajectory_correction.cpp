@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <stdexcept>
 #include <unordered_map>
 #include <vector>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 
 namespace ram_slam {
@@ -14,12 +16,21 @@ namespace {
 /// Where the corrected trajectory moves things that were placed from the robot's pose at a stamp.
 class Correction {
 public:
-  Correction(Trajectory path, const Trajectory& corrected) : path_(std::move(path)) {
+  /// \param loaded_frame  of a loaded map: the corrected trajectory is in its frame, as far as this
+  Correction(Trajectory path,
+             const Trajectory& corrected,
+             const std::optional<MotionGate>& loaded_frame)
+      : path_(std::move(path)) {
     const std::int64_t first_ns = std::max(path_.front().stamp_ns, corrected.front().stamp_ns);
     last_ns_ = std::min(path_.back().stamp_ns, corrected.back().stamp_ns);
     if (last_ns_ < first_ns)
       throw std::invalid_argument("the corrected trajectory has no stamp in common with the path");
     map_from_corrected_ = *poseAt(path_, first_ns) * poseAt(corrected, first_ns)->inverse();
+    if (loaded_frame) {
+      if (loaded_frame->isExceededBy(map_from_corrected_))
+        throw std::invalid_argument("the corrected trajectory is not in the frame of the map");
+      map_from_corrected_ = {};
+    }
     for (const StampedPose2& old : path_) {
       const std::int64_t stamp_ns = std::clamp(old.stamp_ns, first_ns, last_ns_);
       const Pose2 before = stamp_ns == old.stamp_ns ? old.pose : *poseAt(path_, stamp_ns);
@@ -59,14 +70,18 @@ Pose2 FastSlam::followTrajectory(const Trajectory& corrected) {
   validate(corrected);
   if (!started() || corrected.empty())
     throw std::invalid_argument("there is no path that could be corrected");
-  const Correction correction(trajectory(), corrected);
+  std::optional<MotionGate> loaded_frame;
+  if (is_map_loaded_) loaded_frame = parameters_.loaded_frame;
+  const Correction correction(trajectory(), corrected, loaded_frame);
 
   // From here on nothing fails.
   std::vector<LandmarkTree*> trees;
   std::unordered_map<LandmarkId, Pose2> new_from_old;  // looked up, never walked through
   for (Particle& particle : particles_) trees.push_back(&particle.landmarks);
-  for (const LandmarkRecord& record : registry_.records())
-    new_from_old.emplace(record.id, correction.newFromOld(record.placed_ns));
+  for (const LandmarkRecord& record : registry_.records()) {
+    const bool is_loaded = is_map_loaded_ && record.placed_ns == 0;
+    new_from_old.emplace(record.id, is_loaded ? Pose2{} : correction.newFromOld(record.placed_ns));
+  }
   LandmarkTree::transform(trees, [&](LandmarkId id, const Landmark& landmark) {
     const Pose2& move = new_from_old.at(id);
     const Eigen::Matrix2d rotation = move.rotation();

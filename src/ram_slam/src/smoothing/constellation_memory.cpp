@@ -44,6 +44,7 @@ std::optional<Pose2> ConstellationMemory::findPlace(const std::vector<KeyScan>& 
       map.push_back(std::move(point));
     }
   }
+  if (map.empty()) return std::nullopt;
   const ConstellationParameters parameters = parametersOfSearch();
   const Constellation seen = recent_.points();
   const std::vector<PoseHypothesis> hypotheses =

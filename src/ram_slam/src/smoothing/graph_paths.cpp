@@ -7,6 +7,15 @@
 #include <queue>
 
 namespace ram_slam {
+namespace {
+
+/// From a key scan to the next one; a loaded map does not drift.
+double stepLength(const std::vector<KeyScan>& key_scans, std::size_t from) {
+  if (key_scans[from].is_loaded && key_scans[from + 1].is_loaded) return 0.0;
+  return key_scans[from + 1].path_m - key_scans[from].path_m;
+}
+
+}  // namespace
 
 std::vector<double> pathLengthsTo(std::size_t target,
                                   const std::vector<KeyScan>& key_scans,
@@ -28,11 +37,10 @@ std::vector<double> pathLengthsTo(std::size_t target,
     const auto [length, node] = queue.top();
     queue.pop();
     if (length > length_m[node]) continue;
-    const double path_m = key_scans[node].path_m;
     if (node > 0 && !key_scans[node].is_jump)
-      reach(node - 1, length + path_m - key_scans[node - 1].path_m);
+      reach(node - 1, length + stepLength(key_scans, node - 1));
     if (node + 1 < key_scans.size() && !key_scans[node + 1].is_jump)
-      reach(node + 1, length + key_scans[node + 1].path_m - path_m);
+      reach(node + 1, length + stepLength(key_scans, node));
     for (auto way = std::lower_bound(ways.begin(), ways.end(), std::pair(node, std::size_t{0}));
          way != ways.end() && way->first == node; ++way) {
       reach(way->second, length + shortcut_m);

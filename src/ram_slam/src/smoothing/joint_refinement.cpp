@@ -15,10 +15,13 @@ struct ScanPair {
   std::size_t source;
 };
 
-std::vector<ScanPair> chainPairs(std::size_t count, std::size_t farthest) {
+std::vector<ScanPair> chainPairs(const std::vector<KeyScan>& key_scans, std::size_t farthest) {
   std::vector<ScanPair> pairs;
-  for (std::size_t source = 1; source < count; ++source) {
-    for (std::size_t back = 1; back <= std::min(source, farthest); back *= 2)
+  std::size_t session_begin = 0;
+  for (std::size_t source = 1; source < key_scans.size(); ++source) {
+    if (key_scans[source].is_loaded) continue;  // it stays where it is
+    if (key_scans[source].is_start) session_begin = source;
+    for (std::size_t back = 1; back <= std::min(source - session_begin, farthest); back *= 2)
       pairs.push_back({source - back, source});
   }
   return pairs;
@@ -67,6 +70,7 @@ std::vector<ScanPair> loopPairs(const std::vector<KeyScan>& key_scans,
   std::vector<ScanPair> pairs;
   for (auto source = static_cast<std::size_t>(parameters.min_loop_gap); source < key_scans.size();
        ++source) {
+    if (key_scans[source].is_loaded) continue;
     const std::vector<std::size_t> near = nearViews(key_scans, centres, source, parameters);
     for (const std::size_t target : oneOfEachPassage(near, parameters))
       pairs.push_back({target, source});
@@ -153,7 +157,7 @@ std::vector<Pose2> refineJointly(const std::vector<KeyScan>& key_scans,
                                  const ScanMatcherParameters& matcher,
                                  const RefinementParameters& parameters) {
   std::vector<ScanPair> pairs =
-      chainPairs(key_scans.size(), static_cast<std::size_t>(parameters.farthest_neighbour));
+      chainPairs(key_scans, static_cast<std::size_t>(parameters.farthest_neighbour));
   const std::vector<ScanPair> loops = loopPairs(key_scans, parameters);
   pairs.insert(pairs.end(), loops.begin(), loops.end());
 

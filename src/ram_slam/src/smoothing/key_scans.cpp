@@ -12,6 +12,11 @@
 namespace ram_slam {
 namespace {
 
+// Between successive key scans of a loaded map: so little that the map stays as it is, and enough
+// for the solver's precision.
+constexpr double kLoadedDeviationM = 1e-4;
+constexpr double kLoadedDeviationRad = 1e-5;
+
 Eigen::Vector2d viewCentre(const SurfaceScan& surfaces, double range_m) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double count = 0.0;
@@ -59,6 +64,12 @@ const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::tabl
                "Standard deviation of the motion if it was carried, per axis.")
           .add("jump_deviation_rad", &P::jump_deviation_rad, "rad", positive(),
                "Standard deviation of the turn if it was carried.")
+          .add("start_deviation_m", &P::start_deviation_m, "m", positive(),
+               "Standard deviation of the place where a lost robot was found, per axis.")
+          .add("start_deviation_rad", &P::start_deviation_rad, "rad", positive(),
+               "The same of its heading.")
+          .add("start_path_m", &P::start_path_m, "m", atLeast(0.0),
+               "Path along which odometry drifts as much.")
           .add("view_range_m", &P::view_range_m, "m", positive(),
                "Points farther away do not count for the centre of what a scan sees.")
           .add("path_m_per_rad", &P::path_m_per_rad, "m/rad", atLeast(0.0),
@@ -83,6 +94,28 @@ KeyScans::KeyScans(const KeyScanParameters& parameters,
       matcher_(matcher),
       min_inlier_ratio_(min_inlier_ratio) {}
 
+void KeyScans::load(const std::vector<PlacedScan>& scans) {
+  for (const PlacedScan& placed : scans) {
+    if (!keys_.empty() && !isKeyScan(placed.map_from_base())) continue;
+    KeyScan key;
+    key.stamp_ns = placed.scan.stamp_ns;
+    key.surfaces = extractSurfaces(placed.scan, surfaces_, placed.last_beam);
+    key.view_centre_in_laser_m = viewCentre(key.surfaces, parameters_.view_range_m);
+    key.base_from_laser = placed.base_from_laser;
+    key.odom_from_laser = key.map_from_laser = placed.map_from_laser;
+    key.is_loaded = true;
+    if (!keys_.empty()) {
+      const Pose2 motion = relativePose(keys_.back(), key);
+      key.path_m = keys_.back().path_m + motion.translation().norm();
+      const Eigen::Vector3d deviations(kLoadedDeviationM, kLoadedDeviationM, kLoadedDeviationRad);
+      PoseEdge edge{keys_.size() - 1, keys_.size(), motion};
+      edge.information = deviations.cwiseAbs2().cwiseInverse().asDiagonal();
+      aligned_motion_.push_back(edge);
+    }
+    keys_.push_back(std::move(key));
+  }
+}
+
 bool KeyScans::add(const LaserScan& scan,
                    const Pose2& base_from_laser,
                    const Pose2& odom_from_base) {
@@ -96,11 +129,11 @@ bool KeyScans::add(const LaserScan& scan,
   }
   const auto gap_ns = static_cast<std::int64_t>(parameters_.jump_gap_s * 1e9);
   const bool is_after_gap = !scans_.empty() && scan.stamp_ns - scans_.back().stamp_ns > gap_ns;
-  const bool is_key = keys_.empty() || is_after_gap || isKeyScan(odom_from_base);
+  const bool is_key = keys_.empty() || starts_session_ || is_after_gap || isKeyScan(odom_from_base);
   if (is_key) {
     addKeyScan(scan.stamp_ns, surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser,
                odom_from_base);
-    keys_.back().may_be_jump |= is_after_gap;
+    keys_.back().may_be_jump |= is_after_gap && !keys_.back().is_start;
   } else if (isBetweenScan(odom_from_base)) {
     between_scans_.push_back(
         {scans_.size(), surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser});
@@ -126,7 +159,7 @@ SurfaceScan KeyScans::surfacesOf(const LaserScan& scan,
                                  const Pose2& base_from_laser,
                                  const Pose2& odom_from_base) const {
   Pose2 last_beam;
-  if (!scans_.empty()) {
+  if (!scans_.empty() && !starts_session_) {
     const Pose2 motion = scans_.back().odom_from_base.inverse() * odom_from_base;
     last_beam = continued(base_from_laser.inverse() * motion * base_from_laser,
                           scan.stamp_ns - scans_.back().stamp_ns, scan.duration_ns());
@@ -145,6 +178,16 @@ void KeyScans::addKeyScan(std::int64_t stamp_ns,
   key.base_from_laser = base_from_laser;
   key.odom_from_laser = odom_from_base * base_from_laser;
   key.map_from_laser = key.odom_from_laser;
+  key.is_start = std::exchange(starts_session_, false) && !keys_.empty();
+  if (key.is_start) {
+    key.path_m = keys_.back().path_m + parameters_.start_path_m;
+    keys_.push_back(std::move(key));
+    session_begin_ = keys_.size() - 1;
+    aligned_motion_.push_back(startEdge());
+    between_scans_.clear();
+    unmet_key_.reset();
+    return;
+  }
   if (!keys_.empty()) {
     const KeyScan& last = keys_.back();
     const Pose2 motion = last.odom_from_laser.inverse() * key.odom_from_laser;
@@ -175,7 +218,8 @@ double KeyScans::alignNewest() {
 std::vector<ReferenceScan> KeyScans::scansBefore(std::size_t key) const {
   const auto farthest = static_cast<std::size_t>(parameters_.farthest_reference);
   std::vector<ReferenceScan> references;
-  for (std::size_t back = 1; back <= std::min(key, farthest); back *= 2) {
+  const std::size_t most = std::min(key - session_begin_, farthest);
+  for (std::size_t back = 1; back <= most; back *= 2) {
     references.push_back(
         {&keys_[key - back].surfaces, relativePose(keys_[key - 1], keys_[key - back])});
   }
@@ -202,7 +246,18 @@ void KeyScans::reviewJumps(double inlier_ratio) {
   }
 }
 
+PoseEdge KeyScans::startEdge() const {
+  const std::size_t to = keys_.size() - 1;
+  const Eigen::Vector3d deviations(parameters_.start_deviation_m, parameters_.start_deviation_m,
+                                   parameters_.start_deviation_rad);
+  PoseEdge edge{to - 1, to, relativePose(keys_[to - 1], keys_[to])};
+  edge.information = deviations.cwiseAbs2().cwiseInverse().asDiagonal();
+  return edge;
+}
+
 PoseEdge KeyScans::givenEdge(std::size_t to) const {
+  // Nothing but this was given of these.
+  if (keys_[to].is_loaded || keys_[to].is_start) return aligned_motion_[to - 1];
   PoseEdge edge;
   edge.from = to - 1;
   edge.to = to;
@@ -226,7 +281,8 @@ void KeyScans::alignBetweenScans() {
   if (between_scans_.empty()) return;
   const auto most = static_cast<std::size_t>(parameters_.between_reference_count);
   std::vector<ReferenceScan> references;
-  for (std::size_t key = keys_.size() - std::min(keys_.size(), most); key < keys_.size(); ++key)
+  const std::size_t count = std::min(keys_.size() - session_begin_, most);
+  for (std::size_t key = keys_.size() - count; key < keys_.size(); ++key)
     references.push_back({&keys_[key].surfaces, keys_[key].map_from_laser});
   const KeyScan& before = keys_[keys_.size() - 2];
   for (const BetweenScan& between : between_scans_) {
@@ -275,7 +331,7 @@ Pose2 KeyScans::poseByKeyScans(const ScanRecord& scan) const {
   const Pose2 pose = corrected(before);
   if (scan.key + 1 == keys_.size() || scan.stamp_ns == before.stamp_ns) return pose;
   const KeyScan& after = keys_[scan.key + 1];
-  if (after.is_jump) return pose;
+  if (after.is_jump || after.is_start) return pose;
   const auto since = static_cast<double>(scan.stamp_ns - before.stamp_ns);
   const auto interval = static_cast<double>(after.stamp_ns - before.stamp_ns);
   return interpolate(pose, corrected(after), since / interval);
@@ -287,6 +343,7 @@ void KeyScans::setPoses(const std::vector<Pose2>& map_from_laser) {
 
 void KeyScans::setJump(std::size_t jump, std::size_t key, const Pose2& map_from_laser) {
   keys_[jump].is_jump = true;
+  keys_[jump].is_start = false;
   aligned_motion_[jump - 1] = givenEdge(jump);
   const Pose2 shift = map_from_laser * keys_[key].map_from_laser.inverse();
   for (std::size_t i = jump; i < keys_.size(); ++i)

@@ -104,7 +104,9 @@ bool LoopCloser::sweep(const std::vector<KeyScan>& key_scans, const ClosureHandl
   bool found = false;
   double searched_path_m = 0.0;
   for (std::size_t key = 0; key < key_scans.size(); ++key) {
-    if (key_scans[key].path_m - searched_path_m < parameters_.search_distance_m) continue;
+    if (key_scans[key].is_loaded ||
+        key_scans[key].path_m - searched_path_m < parameters_.search_distance_m)
+      continue;
     searched_path_m = key_scans[key].path_m;
     found = searchByPoses(key_scans, key, parameters_.sweep_path_m, true, on_closure) || found;
   }

@@ -10,6 +10,9 @@ const ram_parameters::ParameterTable<MapSmootherParameters>& MapSmootherParamete
       ParameterTable<P>()
           .add("map_frame", &P::map_frame, "Frame of the corrected trajectory.")
           .add("base_frame", &P::base_frame, "Frame of the robot's base.")
+          .add("initial_map", &P::initial_map,
+               "Saved map (folder, or a file in it, of the service save_map of world_map) to "
+               "continue, once the robot is found in it; empty: none. (docs/maps.md)")
           .add("optimize_period_s", &P::optimize_period_s, "s", atLeast(0.0),
                "Least time between two optimizations, by the stamps of the scans; 0: only at "
                "closures that move the robot and on request.")

@@ -53,7 +53,8 @@ std::optional<Tracking> EstimatorStage::takeTrackingChange() {
   const bool is_lost = estimator_->isLost();
   if (stated_lost_ == is_lost) return std::nullopt;
   stated_lost_ = is_lost;
-  return Tracking{is_lost, estimator_->stamp_ns(), estimator_->certainUntil_ns()};
+  const StampedPose2 certain = estimator_->certainPose();
+  return Tracking{is_lost, estimator_->stamp_ns(), certain.stamp_ns, certain.pose};
 }
 
 std::optional<MotionStep> EstimatorStage::motionUntil(std::int64_t stamp_ns) {

@@ -16,20 +16,64 @@ ScanSynchroniserParameters synchroniserParameters() {
 }  // namespace
 
 SmoothingStage::SmoothingStage(const MapSmootherParameters& parameters,
-                               const FeatureMatchers& matchers)
+                               const FeatureMatchers& matchers,
+                               std::vector<PlacedScan> loaded)
     : parameters_(parameters),
       matchers_(matchers),
       scans_(synchroniserParameters()),
-      smoother_(parameters, matchers) {}
+      loaded_(std::move(loaded)),
+      smoother_(parameters, matchers) {
+  restart();
+}
+
+void SmoothingStage::restart() {
+  smoother_ = MapSmoother(parameters_, matchers_);
+  smoother_.load(loaded_);
+  gate_ = TrackingGate(!loaded_.empty());
+  lost_.reset();
+  found_.reset();
+  smoothed_from_odom_ = {};
+}
+
+void SmoothingStage::set(const Tracking& tracking) {
+  if (tracking.is_lost) {
+    lost_ = tracking;
+    found_.reset();
+  } else if (gate_.isLost()) {
+    found_ = tracking;
+  }
+  gate_.set(tracking);
+}
+
+Pose2 SmoothingStage::smoothedFromMap() const {
+  if (!lost_) return {};
+  const std::optional<Pose2> smoothed = poseAt(smoother_.trajectory(), lost_->certain_until_ns);
+  return smoothed ? *smoothed * lost_->map_from_base.inverse() : Pose2{};
+}
+
+Pose2 SmoothingStage::aligned(const Pose2& odom_from_base) {
+  if (found_) {
+    const std::optional<Pose2> odom_from_found = scans_.odometryOf(found_->certain_until_ns);
+    const Pose2 at_found = odom_from_found ? *odom_from_found : odom_from_base;
+    smoothed_from_odom_ = smoothedFromMap() * found_->map_from_base * at_found.inverse();
+    smoother_.startSession();
+    found_.reset();
+  }
+  return smoothed_from_odom_ * odom_from_base;
+}
 
 std::optional<SmoothingStep> SmoothingStage::next() {
   while (const auto ready = scans_.next()) {
     if (reset_count_ != scans_.resetCount()) {
       reset_count_ = scans_.resetCount();
-      smoother_ = MapSmoother(parameters_, matchers_);
+      restart();
+    }
+    if (!gate_.admits(ready->scan.stamp_ns)) {
+      drops().add(DropReason::kLost, ready->scan.stamp_ns, "scan");
+      continue;
     }
     try {
-      smoother_.addScan(ready->scan, ready->base_from_laser, *ready->odom_from_base);
+      smoother_.addScan(ready->scan, ready->base_from_laser, aligned(*ready->odom_from_base));
       smoother_.optimizeIfDue();
     } catch (const std::exception& error) {
       drops().add(DropReason::kInvalidScan, ready->scan.stamp_ns, error.what());

@@ -236,10 +236,10 @@ Lost Tracker::loseTrack(LostReason reason) {
   // A caller who wants the pose forgotten does not state that the map is wrong.
   const bool requested = reason == LostReason::kRequested;
   Pose2 map_from_base = filter_.estimate().pose;
-  std::int64_t certain_until_ns = stamp_ns_;
+  StampedPose2 certain{stamp_ns_, map_from_base};
   if (const FilterCopy* before = requested ? nullptr : oldestCopy()) {
     map_from_base = before->map_from_base * before->local_from_base.inverse() * local_from_base_;
-    certain_until_ns = before->stamp_ns;
+    certain = {before->stamp_ns, before->map_from_base};
     filter_ = before->filter;
   }
   map_views_.follow(filter_.trajectory());
@@ -247,7 +247,7 @@ Lost Tracker::loseTrack(LostReason reason) {
   if (reason == LostReason::kDiscontinuity) view_before = monitor_.oldestView();
   monitor_.clear();
   return {reason,
-          certain_until_ns,
+          certain,
           map_from_base,
           !requested,
           stamp_ns_,
@@ -257,7 +257,7 @@ Lost Tracker::loseTrack(LostReason reason) {
 
 Lost Tracker::interrupted(const Lost& lost) const {
   return {lost.reason,
-          lost.certain_until_ns,
+          lost.certain,
           lost.map_from_base,
           false,
           lost.walls_agree_since_ns,
@@ -291,9 +291,9 @@ LostReason Tracker::reason() const {
   return lost == nullptr ? LostReason::kTracking : lost->reason;
 }
 
-std::int64_t Tracker::certainUntil_ns() const {
+StampedPose2 Tracker::certainPose() const {
   const auto* lost = std::get_if<Lost>(&state_);
-  return lost == nullptr ? stamp_ns_ : lost->certain_until_ns;
+  return lost == nullptr ? StampedPose2{stamp_ns_, estimate().pose} : lost->certain;
 }
 
 PoseWithCovariance2 Tracker::estimate() const {

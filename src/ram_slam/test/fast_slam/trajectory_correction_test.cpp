@@ -151,5 +151,28 @@ TEST_F(TrajectoryCorrection, WhatCannotBeFollowedIsRefusedAndChangesNothing) {
   EXPECT_EQ(state(), before);
 }
 
+TEST_F(TrajectoryCorrection, InALoadedMapThePathIsMovedAndTheMapStays) {
+  LandmarkMap map;
+  map.landmarks.resize(1);
+  map.landmarks[0].type = "pole";
+  map.landmarks[0].mean_m = {20.0, 5.0};
+  map.landmarks[0].covariance_m2 = 1e-4 * Eigen::Matrix2d::Identity();
+  map.landmarks[0].existence_log_odds = 5.0;
+  filter_.setMap(map);
+  drive(3);
+  Trajectory moved = filter_.trajectory();
+  const Pose2 found_beside{0.2, -0.1, 0.05};
+  for (StampedPose2& pose : moved) pose.pose = found_beside * pose.pose;
+  expectNear(filter_.followTrajectory(moved), {});
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    expectNear(filter_.trajectory()[i].pose, moved[i].pose);
+  EXPECT_LT((filter_.landmarks().landmarks[0].mean_m - Eigen::Vector2d(20.0, 5.0)).norm(), 1e-12);
+  for (StampedPose2& pose : moved) pose.pose = Pose2{10.0, 0.0, 0.0} * pose.pose;
+  const std::string before = state();
+  EXPECT_THAT([&] { filter_.followTrajectory(moved); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("frame of the map")));
+  EXPECT_EQ(state(), before);
+}
+
 }  // namespace
 }  // namespace ram_slam

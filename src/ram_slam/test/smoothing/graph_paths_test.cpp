@@ -40,5 +40,13 @@ TEST(PathLengthsTo, LeaveOutShortcutsThatAreLongerThanTheDrive) {
   EXPECT_THAT(pathLengthsTo(2, blindKeyScans(3, 0.1), {{0, 2}}, 0.5), ElementsAre(0.2, 0.1, 0.0));
 }
 
+TEST(PathLengthsTo, ALoadedMapDoesNotDrift) {
+  std::vector<KeyScan> keys = blindKeyScans(10, 1.0);
+  for (std::size_t i = 0; i < 6; ++i) keys[i].is_loaded = true;
+  const std::vector<double> lengths_m = pathLengthsTo(9, keys, {}, 0.5);
+  EXPECT_DOUBLE_EQ(lengths_m[5], 4.0);
+  EXPECT_DOUBLE_EQ(lengths_m[0], 4.0);
+}
+
 }  // namespace
 }  // namespace ram_slam

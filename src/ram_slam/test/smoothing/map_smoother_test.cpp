@@ -349,5 +349,38 @@ TEST(MapSmoother, RefusesParametersOutOfBounds) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("loop_drift_m_per_m must be >= 0")));
 }
 
+TEST(MapSmoother, ContinuesALoadedMapInItsFrameAndLeavesItWhereItIs) {
+  const Walls walls = building();
+  const std::vector<Pose2> truth = rounds(1);
+  const std::vector<Pose2> odometry = drifting(truth);
+  TestLaser laser;
+  laser.range_deviation_m = 0.01;
+  std::vector<PlacedScan> map;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Pose2 place = truth[i] * kMount;
+    const auto stamp_ns = static_cast<std::int64_t>(1000 - i) * 100000000;  // of another clock
+    map.push_back({scanWalls(walls, place, stamp_ns, laser), kMount, place, {}});
+  }
+  MapSmoother smoother{MapSmootherParameters()};
+  smoother.load(map);
+  const std::vector<KeyScan> loaded = smoother.keyScans();
+  ASSERT_GT(loaded.size(), 100u);
+  const Pose2 found_beside{0.2, -0.15, 0.04};
+  smoother.startSession();
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const auto stamp_ns = static_cast<std::int64_t>(i + 1) * 100000000;
+    smoother.addScan(scanWalls(walls, truth[i] * kMount, stamp_ns, laser), kMount,
+                     found_beside * odometry[i]);
+  }
+  smoother.optimize();
+  EXPECT_THAT(smoother.closures(), Not(IsEmpty()));
+  ASSERT_THAT(smoother.trajectory(), SizeIs(truth.size()));
+  EXPECT_LT(rmsError(smoother.trajectory(), truth), 0.03);
+  for (std::size_t i = 0; i < loaded.size(); ++i) {
+    const Pose2 moved = loaded[i].map_from_laser.inverse() * smoother.keyScans()[i].map_from_laser;
+    EXPECT_LT(moved.translation().norm(), 0.005) << i;
+  }
+}
+
 }  // namespace
 }  // namespace ram_slam

@@ -143,11 +143,11 @@ TEST(MappingStage, RefusesParametersOutOfTheirBounds) {
 TEST(MappingStage, DrawsNothingThatALostRobotSaw) {
   MappingStage stage{OccupancyMapperParameters{}};
   for (int i = 1; i <= 4; ++i) stage.add(scanAt(i * kSecond), {1.0 * i, 0.0, 0.0}, {});
-  EXPECT_EQ(stage.set({true, 4 * kSecond, 2 * kSecond}), 2);
+  EXPECT_EQ(stage.set({true, 4 * kSecond, 2 * kSecond, {}}), 2);
   stage.add(scanAt(5 * kSecond), {5.0, 0.0, 0.0}, {});
   EXPECT_EQ(stage.scanCount(), 2u);
   EXPECT_EQ(stage.drops().newest().reason, DropReason::kLost);
-  EXPECT_EQ(stage.set({false, 6 * kSecond, 6 * kSecond}), 0);
+  EXPECT_EQ(stage.set({false, 6 * kSecond, 6 * kSecond, {}}), 0);
   stage.add(scanAt(7 * kSecond), {7.0, 0.0, 0.0}, {});
   EXPECT_EQ(stage.scanCount(), 3u);
 }
@@ -160,7 +160,7 @@ TEST(MappingStage, ContinuesALoadedMapOnceTheRobotIsFoundInIt) {
   stage.add(scanAt(kSecond), {1.0, 0.0, 0.0}, {});
   EXPECT_EQ(stage.scanCount(), 0u);
   EXPECT_EQ(stage.mapper().grid().cells, first.mapper().grid().cells);
-  stage.set({false, 2 * kSecond, 2 * kSecond});
+  stage.set({false, 2 * kSecond, 2 * kSecond, {}});
   stage.add(scanAt(3 * kSecond), {1.0, 0.0, 0.0}, {});
   EXPECT_EQ(stage.scanCount(), 1u);
   stage.reset();

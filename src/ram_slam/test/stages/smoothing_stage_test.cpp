@@ -115,5 +115,49 @@ TEST(SmoothingStage, RefusesParametersOutOfTheirBounds) {
   EXPECT_THROW(SmoothingStage(parameters, {}), std::invalid_argument);
 }
 
+TEST(SmoothingStage, LeavesOutWhatALostRobotSeesAndGoesOnFromWhereItIsFound) {
+  SmoothingStage stage(MapSmootherParameters{}, {});
+  const auto feed = [&stage](std::int64_t i) {
+    stage.addOdometry(odometryAt(i));
+    stage.add(scanAt(i));
+    return stage.next().has_value();
+  };
+  for (std::int64_t i = 0; i < 5; ++i) EXPECT_TRUE(feed(i));
+  const std::int64_t certain_ns = scanAt(3).scan.stamp_ns;
+  stage.set({true, scanAt(4).scan.stamp_ns, certain_ns, {10.3, 0.0, 0.0}});
+  for (std::int64_t i = 5; i < 9; ++i) EXPECT_FALSE(feed(i));
+  EXPECT_EQ(stage.drops().newest().reason, DropReason::kLost);
+  // The map frame lies 10 m beside the smoother's; the robot was carried 1 m aside.
+  const std::int64_t found_ns = scanAt(8).scan.stamp_ns;
+  stage.set({false, found_ns, found_ns, {10.8, 1.0, 0.0}});
+  EXPECT_TRUE(feed(9));
+  const Trajectory smoothed = stage.smoother().trajectory();
+  ASSERT_EQ(smoothed.size(), 6u);
+  EXPECT_NEAR(smoothed.back().pose.x_m, 0.9, 0.02);
+  EXPECT_NEAR(smoothed.back().pose.y_m, 1.0, 0.02);
+}
+
+TEST(SmoothingStage, ContinuesALoadedMapOnceTheRobotIsFoundInIt) {
+  std::vector<PlacedScan> map;
+  for (std::int64_t i = 0; i < 10; ++i) map.push_back({scanAt(i).scan, {}, odometryAt(i).pose, {}});
+  SmoothingStage stage(MapSmootherParameters{}, {}, map);
+  EXPECT_GE(stage.smoother().keyScans().size(), 3u);
+  const auto feed = [&stage](std::int64_t i) {
+    stage.addOdometry({scanAt(i).scan.stamp_ns, Pose2{5.0, 3.0, 1.0} * odometryAt(i).pose});
+    stage.add(scanAt(i));
+    return stage.next().has_value();
+  };
+  EXPECT_FALSE(feed(0));
+  EXPECT_FALSE(feed(1));
+  const std::int64_t found_ns = scanAt(1).scan.stamp_ns;
+  stage.set({false, found_ns, found_ns, odometryAt(1).pose});
+  for (std::int64_t i = 2; i < 10; ++i) EXPECT_TRUE(feed(i));
+  const Trajectory smoothed = stage.smoother().trajectory();
+  ASSERT_EQ(smoothed.size(), 8u);
+  EXPECT_NEAR(smoothed.front().pose.x_m, 0.2, 0.02);
+  EXPECT_NEAR(smoothed.back().pose.x_m, 0.9, 0.02);
+  EXPECT_NEAR(smoothed.back().pose.y_m, 0.0, 0.02);
+}
+
 }  // namespace
 }  // namespace ram_slam

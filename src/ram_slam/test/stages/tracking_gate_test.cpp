@@ -13,11 +13,11 @@ TEST(TrackingGate, AdmitsEverythingUntilTheRobotIsLost) {
 
 TEST(TrackingGate, LeavesOutWhatWasSeenWhileThePoseWasUncertain) {
   TrackingGate gate;
-  gate.set({true, 100, 70});
+  gate.set({true, 100, 70, {}});
   EXPECT_TRUE(gate.admits(70));
   EXPECT_FALSE(gate.admits(71));
   EXPECT_FALSE(gate.admits(200));
-  gate.set({false, 150, 150});
+  gate.set({false, 150, 150, {}});
   EXPECT_TRUE(gate.admits(70));
   EXPECT_FALSE(gate.admits(71));
   EXPECT_FALSE(gate.admits(150));
@@ -26,7 +26,7 @@ TEST(TrackingGate, LeavesOutWhatWasSeenWhileThePoseWasUncertain) {
 
 TEST(TrackingGate, AnotherMessageThatTheRobotIsTrackedChangesNothing) {
   TrackingGate gate;
-  gate.set({false, 100, 100});
+  gate.set({false, 100, 100, {}});
   EXPECT_TRUE(gate.admits(50));
 }
 

@@ -222,7 +222,7 @@ TEST_F(Kidnapped, FindsItsPlaceByTheViewsOfALoadedMapAndLeavesTheMapAsItIs) {
   slam_.setMap(map, views);
   slam_.fixMap();
   EXPECT_TRUE(slam_.lost());
-  EXPECT_EQ(slam_.certainUntil_ns(), 0);
+  EXPECT_EQ(slam_.certainPose().stamp_ns, 0);
   truth_ = {5.0, 1.4, 0.1};
   look({});
   for (int i = 0; i < 80 && slam_.lost(); ++i) look({kStep_m, 0.0, 0.0});

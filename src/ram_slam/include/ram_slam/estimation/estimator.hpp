@@ -25,6 +25,7 @@ struct Tracking {
   /// Lost: of the last reading whose pose is certain. What was seen later was seen from an unknown
   /// place.
   std::int64_t certain_until_ns = 0;
+  Pose2 map_from_base;  ///< at certain_until_ns
 };
 
 /// Estimates the robot's pose and a map of landmarks from features and motion. It knows neither the
@@ -59,8 +60,9 @@ public:
 
   /// Whether the robot does not know where it is. Then the map must not be changed by anyone.
   virtual bool isLost() const { return false; }
-  /// While lost: stamp of the last reading whose pose is certain; 0: of none.
-  virtual std::int64_t certainUntil_ns() const { return stamp_ns(); }
+  /// map_from_base of the last reading whose pose is certain: the newest one, but while lost an
+  /// older one, or of the stamp 0 if there is none.
+  virtual StampedPose2 certainPose() const { return {stamp_ns(), estimate().pose}; }
   /// "tracking", or in plain English why it is lost.
   virtual std::string state() const { return "tracking"; }
   /// Named figures for diagnostics.

@@ -31,7 +31,7 @@ public:
   Trajectory trajectory() const override { return slam_.filter().trajectory(); }
   LandmarkMap landmarks() const override { return slam_.filter().landmarks(); }
   bool isLost() const override { return slam_.lost(); }
-  std::int64_t certainUntil_ns() const override { return slam_.certainUntil_ns(); }
+  StampedPose2 certainPose() const override { return slam_.certainPose(); }
   std::string state() const override;
   std::vector<std::pair<std::string, double>> health() const override;
   void setPose(const PoseWithCovariance2& map_from_base) override { slam_.setPose(map_from_base); }

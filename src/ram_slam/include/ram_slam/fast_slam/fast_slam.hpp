@@ -106,11 +106,13 @@ public:
 
   /// Bends the map so that the robot came along the corrected trajectory, as a smoother found it:
   /// each landmark moves with the pose from which it was first seen, the particles with the newest
-  /// one. The first common pose stays where it is. Landmarks that come to lie on an older one like
+  /// one. The first common pose stays where it is; but if the map was learned before (setMap()
+  /// without a path), the corrected trajectory must be in its frame, and its landmarks stay, unless
+  /// they were placed since. Landmarks that come to lie on an older one like
   /// them are dropped. All particles share the corrected path from then on.
   /// \returns the frame of the corrected trajectory, seen from the map
   /// \throws std::invalid_argument, nothing changed, if the trajectory is empty, not finite, not in
-  /// the order of its stamps or has none in common with the filter's
+  /// the order of its stamps, has none in common with the filter's or is not in the map's frame
   Pose2 followTrajectory(const std::vector<StampedPose2>& corrected);
 
   /// Gives every particle nodes of its own. Changes no result: what a filter without sharing would
@@ -158,6 +160,7 @@ private:
   FastSlamQuality quality_;
   std::vector<Association> associations_;
   bool is_map_fixed_ = false;
+  bool is_map_loaded_ = false;  ///< so that its frame is not that of the path's first pose
   std::int64_t stamp_ns_ = 0;
   std::uint64_t update_count_ = 0;
   std::int64_t updated_ns_ = 0;       ///< when poses were sampled and maps updated last

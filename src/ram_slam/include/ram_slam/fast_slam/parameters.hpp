@@ -3,6 +3,7 @@
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/geometry/motion_gate.hpp"
 
 namespace ram_slam {
 
@@ -88,7 +89,8 @@ struct FastSlamParameters {
   int maximum_hypotheses = 64;
   double quality_memory = 0.95;
   double drift_yaw_arm_m = 2.0;
-  int skipped_ids = 10000;  ///< others may know landmarks newer than a map's file
+  int skipped_ids = 10000;            ///< others may know landmarks newer than a map's file
+  MotionGate loaded_frame{3.0, 0.5};  ///< farther off a robot is not found in a loaded map
   AppearanceParameters appearance;
   ExistenceParameters existence;
   SharedErrorParameters shared_error;

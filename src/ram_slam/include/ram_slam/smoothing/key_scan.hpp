@@ -24,7 +24,10 @@ struct KeyScan {
   /// been carried here.
   bool may_be_jump = false;
   bool is_jump = false;  ///< it was: nothing measures the motion from the key scan before
-  double path_m = 0.0;   ///< driven up to here, turning counted in
+  /// The robot was found here after it had been lost: its place is measured, the motion is not.
+  bool is_start = false;
+  bool is_loaded = false;  ///< of a map made before, in which it stays where it is
+  double path_m = 0.0;     ///< driven up to here, turning counted in
   /// Mean of the points that it sees near by.
   Eigen::Vector2d view_centre_in_laser_m = Eigen::Vector2d::Zero();
 

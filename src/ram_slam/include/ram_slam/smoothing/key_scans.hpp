@@ -13,6 +13,7 @@
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/scan_matching/surface_scan.hpp"
 #include "ram_slam/sensing/laser_scan.hpp"
+#include "ram_slam/sensing/placed_scan.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"
 
 namespace ram_slam {
@@ -38,6 +39,12 @@ struct KeyScanParameters {
   double jump_deviation_m = 100.0;
   double jump_deviation_rad = 3.0;
 
+  /// Standard deviation of the place where a lost robot was found, and the path that drifts as
+  /// much.
+  double start_deviation_m = 0.3;
+  double start_deviation_rad = 0.1;
+  double start_path_m = 10.0;
+
   double view_range_m = 8.0;    ///< points farther away do not count for the view centre
   double path_m_per_rad = 0.5;  ///< turning counts as path: odometry drifts by it, too
   int farthest_reference = 4;   ///< a new key scan is aligned with those 1, 2, 4, .. this back
@@ -59,6 +66,14 @@ public:
            const SurfaceParameters& surfaces,
            const ScanMatcherParameters& matcher,
            double min_inlier_ratio);
+
+  /// Begins with the scans of a map made before: those that are key scans stay where they are.
+  /// Call it once, first, and startSession() before the first add().
+  /// \throws std::invalid_argument as LaserScan::validate()
+  void load(const std::vector<PlacedScan>& scans);
+  /// The robot was lost and has been found: from the next scan on the given trajectory is that of
+  /// the base in the frame of the corrected one.
+  void startSession() { starts_session_ = true; }
 
   /// \param odom_from_base  the given trajectory at the scan's stamp
   /// \return whether it is a key scan; it is then the last of keys()
@@ -118,7 +133,9 @@ private:
   /// \param inlier_ratio  of the newest one
   void reviewJumps(double inlier_ratio);
   PoseEdge givenEdge(std::size_t to) const;
-  /// Some key scans before one, seen from the last of them.
+  /// The edge to the newest key scan, the first one after the robot was found.
+  PoseEdge startEdge() const;
+  /// Some key scans of the session before one, seen from the last of them.
   std::vector<ReferenceScan> scansBefore(std::size_t key) const;
   /// Aligns the scans between the two newest key scans.
   void alignBetweenScans();
@@ -132,6 +149,8 @@ private:
   SurfaceParameters surfaces_;
   ScanMatcherParameters matcher_;
   double min_inlier_ratio_;
+  bool starts_session_ = false;
+  std::size_t session_begin_ = 0;         ///< its first key scan
   std::optional<std::size_t> unmet_key_;  ///< the first in a row that does not meet those before
   std::vector<ScanRecord> scans_;
   std::vector<BetweenScan> between_scans_;

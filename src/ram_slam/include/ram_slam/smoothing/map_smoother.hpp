@@ -24,6 +24,7 @@ namespace ram_slam {
 struct MapSmootherParameters {
   std::string map_frame = "map";  ///< what the node calls the frame of the corrected trajectory
   std::string base_frame = "base_link";  ///< and of the robot's base
+  std::string initial_map;               ///< folder or file of a saved map to continue; empty: none
   double optimize_period_s = 5.0;  ///< least time between two optimizations, by stamps; 0: only
                                    ///< optimize() does it
   SurfaceParameters surfaces;
@@ -67,6 +68,12 @@ public:
   /// \throws std::invalid_argument, the state untouched, if the scan cannot be used, a pose is not
   ///   finite or the stamp is not later than that of the scan before
   void addScan(const LaserScan& scan, const Pose2& base_from_laser, const Pose2& odom_from_base);
+
+  /// Before the first scan: continues a map made before. Its scans stay where they are; the robot
+  /// is lost in it until startSession(). \throws as KeyScans::load()
+  void load(const std::vector<PlacedScan>& scans) { key_scans_.load(scans); }
+  /// As KeyScans::startSession().
+  void startSession() { key_scans_.startSession(); }
 
   /// Features of a scan, given before it or soon after, in the base frame at the scan's stamp;
   /// those of scans that are no key scans are left out.

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
 #include "ram_slam/stages/scan_synchroniser.hpp"
+#include "ram_slam/stages/tracking_gate.hpp"
 
 namespace ram_slam {
 
@@ -23,12 +25,20 @@ struct SmoothingStep {
 /// scan, and decides when to optimise and when to publish.
 class SmoothingStage {
 public:
-  /// \throws std::invalid_argument as MapSmootherParameters::validate()
-  SmoothingStage(const MapSmootherParameters& parameters, const FeatureMatchers& matchers);
+  /// \param loaded  scans of a map made before; if there are any it is continued, in its frame,
+  /// once the robot's place in it is known (set()) \throws std::invalid_argument as
+  /// MapSmootherParameters::validate()
+  SmoothingStage(const MapSmootherParameters& parameters,
+                 const FeatureMatchers& matchers,
+                 std::vector<PlacedScan> loaded = {});
 
   void add(MountedScan scan) { scans_.add(std::move(scan)); }
   void addOdometry(const StampedPose2& odom_from_base) { scans_.add(odom_from_base); }
   void addFeatures(const FeatureList& list) { smoother_.addFeatures(list); }
+
+  /// The robot came to be lost, or was found. What a lost robot sees is left out; from where it was
+  /// found another session begins.
+  void set(const Tracking& tracking);
 
   /// Takes in the next scan whose odometry is known; nothing if it still waits.
   std::optional<SmoothingStep> next();
@@ -48,7 +58,19 @@ private:
   MapSmootherParameters parameters_;
   FeatureMatchers matchers_;
   ScanSynchroniser scans_;
+  /// Begins again: empty, or with the loaded map.
+  void restart();
+  /// Of the base in the frame of the smoothed trajectory, where odometry has it at a scan.
+  Pose2 aligned(const Pose2& odom_from_base);
+  /// Where the base was in that frame when its pose was certain; the map frame without any scan.
+  Pose2 smoothedFromMap() const;
+
+  std::vector<PlacedScan> loaded_;
   MapSmoother smoother_;
+  TrackingGate gate_;
+  std::optional<Tracking> lost_;   ///< how the robot came to be lost
+  std::optional<Tracking> found_;  ///< where it was found, until the next scan
+  Pose2 smoothed_from_odom_;
   int reset_count_ = 0;  ///< that smoother_ has followed
 };
 

@@ -46,8 +46,8 @@ public:
   const TrackingState& state() const { return state_; }
   bool lost() const { return std::holds_alternative<Lost>(state_); }
   LostReason reason() const;
-  /// While lost: stamp of the last reading whose pose is certain; stamp_ns() otherwise.
-  std::int64_t certainUntil_ns() const;
+  /// map_from_base of the last reading whose pose is certain; while lost not the newest one.
+  StampedPose2 certainPose() const;
   /// How the last readings and the map agree; while lost, how they did when that was noticed.
   const MapAgreement& agreement() const { return monitor_.agreement(); }
   /// At stamp_ns(). While lost: where odometry alone leads from the last certain pose, with a

@@ -44,9 +44,9 @@ struct Probation {
 /// The robot does not know where it is; the map is not written to.
 struct Lost {
   LostReason reason = LostReason::kRequested;
-  std::int64_t certain_until_ns = 0;  ///< stamp of the last reading whose pose is certain
-  Pose2 map_from_base;                ///< where odometry has led since
-  bool may_be_false_alarm = false;    ///< then the robot is there
+  StampedPose2 certain;             ///< pose of the last reading at which it was certain
+  Pose2 map_from_base;              ///< where odometry has led since
+  bool may_be_false_alarm = false;  ///< then the robot is there
   std::int64_t walls_agree_since_ns = 0;
   DisturbanceDetector disturbance;
   Relocaliser relocaliser;

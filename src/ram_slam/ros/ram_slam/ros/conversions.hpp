@@ -7,9 +7,11 @@
 #include <geometry_msgs/PoseWithCovariance.h>
 #include <geometry_msgs/Transform.h>
 #include <ram_slam_msgs/FeatureList.h>
+#include <ram_slam_msgs/Tracking.h>
 #include <ros/time.h>
 #include <sensor_msgs/LaserScan.h>
 
+#include "ram_slam/estimation/estimator.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/landmarks/feature.hpp"
 #include "ram_slam/sensing/laser_scan.hpp"
@@ -36,6 +38,9 @@ ram_slam::PoseWithCovariance2 toPoseWithCovariance2(
 /// z, roll and pitch are zero with variance 1e6: not known.
 geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(
     const ram_slam::PoseWithCovariance2& pose);
+
+/// \throws std::invalid_argument if it is in another frame than the map's, or as toPose2()
+ram_slam::Tracking toTracking(const ram_slam_msgs::Tracking& message, const std::string& map_frame);
 
 /// Time that a scan's beams take by its time_increment [s].
 double sweep_s(const sensor_msgs::LaserScan& message);
