@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <sstream>
 #include <stdexcept>
 
 #include "ram_parameters/parameter_reader.hpp"
@@ -108,6 +109,19 @@ MapHeader readMapHeader(const std::string& path) {
   return header;
 }
 
+/// Writes a file beside its place and renames it there: on a full disk the old one stays.
+void writeWhole(const std::string& path, const std::string& content) {
+  const std::string unfinished = path + ".unfinished";
+  std::ofstream stream(unfinished, std::ios::binary);
+  stream << content;
+  stream.close();
+  std::error_code error;
+  if (stream) std::filesystem::rename(unfinished, path, error);
+  if (stream && !error) return;
+  std::filesystem::remove(unfinished, error);
+  refuse(path, "cannot be written");
+}
+
 }  // namespace
 
 MapImage readMap(const std::string& yaml_path) {
@@ -136,7 +150,7 @@ MapImage readMap(const std::string& yaml_path) {
 
 void writeMap(const MapImage& map, const std::string& path_without_suffix) {
   const std::string pgm_path = path_without_suffix + ".pgm";
-  std::ofstream pgm(pgm_path, std::ios::binary);
+  std::ostringstream pgm;
   pgm << "P5\n" << map.width_cells << ' ' << map.height_cells << "\n255\n";
   for (int row = map.height_cells - 1; row >= 0; --row) {
     for (int column = 0; column < map.width_cells; ++column) {
@@ -144,18 +158,15 @@ void writeMap(const MapImage& map, const std::string& path_without_suffix) {
       pgm.put(static_cast<char>(cell == Cell::kFree ? 254 : cell == Cell::kOccupied ? 0 : 205));
     }
   }
-  pgm.close();
-  if (!pgm) refuse(pgm_path, "cannot be written");
+  writeWhole(pgm_path, pgm.str());
 
-  const std::string yaml_path = path_without_suffix + ".yaml";
-  std::ofstream yaml(yaml_path);
+  std::ostringstream yaml;
   yaml.precision(17);
   yaml << "image: " << std::filesystem::path(pgm_path).filename().string()
        << "\nresolution: " << map.resolution_m << "\norigin: [" << map.world_from_map.x_m << ", "
        << map.world_from_map.y_m << ", " << map.world_from_map.yaw_rad
        << "]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: 0\n";
-  yaml.close();
-  if (!yaml) refuse(yaml_path, "cannot be written");
+  writeWhole(path_without_suffix + ".yaml", yaml.str());
 }
 
 }  // namespace ramscout_sim

@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -105,11 +106,49 @@ std::string folderOf(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
+constexpr const char* kTemporaryMark = ".writing-";
+
+bool isRunning(const std::string& process) {
+  const auto id = static_cast<pid_t>(std::strtol(process.c_str(), nullptr, 10));
+  return ::kill(id, 0) == 0 || errno == EPERM;
+}
+
+/// Removes what writers into this folder left behind when they were killed.
+void removeLeftOver(const std::string& folder) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const std::size_t mark = name.rfind(kTemporaryMark);
+    if (mark == std::string::npos) continue;
+    const std::string process = name.substr(mark + std::string(kTemporaryMark).size());
+    const bool is_number = !process.empty() && process.size() < 10 &&
+                           process.find_first_not_of("0123456789") == std::string::npos;
+    if (is_number && !isRunning(process)) ::unlink(entry.path().c_str());
+  }
+}
+
+/// Devices and pipes, such as /dev/stdout, are written to: a file in their place would break the
+/// system.
+bool isNoFile(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))
+    return true;
+  const bool is_of_system = path.rfind("/dev/", 0) == 0 || path.rfind("/proc/", 0) == 0;
+  return is_of_system && ::lstat(path.c_str(), &status) == 0 && S_ISLNK(status.st_mode);
+}
+
 }  // namespace
 
 void writeFileAtomically(const std::string& path, const std::string& content) {
   checkFileSizeLimit(content.size(), path);
-  const std::string temporary = path + ".writing-" + std::to_string(::getpid());
+  if (isNoFile(path)) {
+    File device(path, O_WRONLY, "writing");
+    device.write(content);
+    device.close();
+    return;
+  }
+  removeLeftOver(folderOf(path));
+  const std::string temporary = path + kTemporaryMark + std::to_string(::getpid());
   ::unlink(temporary.c_str());  // of an earlier process with this id that was killed
   File file(temporary, O_WRONLY | O_CREAT | O_EXCL, "writing");
   const RemovedAtEnd cleanup(temporary);

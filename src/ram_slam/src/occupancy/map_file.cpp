@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <yaml-cpp/yaml.h>
@@ -210,6 +211,32 @@ Image readImage(const std::string& path) {
   return image;
 }
 
+std::string nameOf(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+/// Where in a description as it is written here the name of its image begins, and its length.
+std::pair<std::size_t, std::size_t> placeOfImage(const std::string& yaml) {
+  constexpr std::size_t kKeyLength = 7;
+  if (yaml.rfind("image: ", 0) != 0) return {0, 0};
+  return {kKeyLength, std::min(yaml.find('\n'), yaml.size()) - kKeyLength};
+}
+
+std::string withImage(std::string yaml, const std::string& image_path) {
+  const auto [begin, length] = placeOfImage(yaml);
+  return yaml.replace(begin, length, nameOf(image_path));
+}
+
+/// Whether there is a saved map: a description that was written here, and its image.
+bool refersTo(const std::string& yaml_path, const std::string& image_path) {
+  std::error_code none;
+  if (!std::filesystem::exists(yaml_path, none) || !std::filesystem::exists(image_path, none))
+    return false;
+  const std::string yaml = readWholeFile(yaml_path, kMaxTextBytes);
+  const auto [begin, length] = placeOfImage(yaml);
+  return length > 0 && yaml.substr(begin, length) == nameOf(image_path);
+}
+
 }  // namespace
 
 MapFile toMapFile(const OccupancyGrid& grid, const std::string& image_name) {
@@ -234,10 +261,21 @@ MapFile toMapFile(const OccupancyGrid& grid, const std::string& image_name) {
 }
 
 void saveMap(const OccupancyGrid& grid, const std::string& stem) {
+  const MapFile file = toMapFile(grid, nameOf(stem + ".pgm"));
   const std::string image_path = stem + ".pgm";
-  const MapFile file = toMapFile(grid, std::filesystem::path(image_path).filename().string());
+  const std::string yaml_path = stem + ".yaml";
+  const std::string previous_path = stem + ".previous.pgm";
+  // The two files cannot be replaced in one step: until the new description is there, the old one
+  // refers to a copy of the old image.
+  if (refersTo(yaml_path, image_path)) {
+    writeFileAtomically(previous_path, readWholeFile(image_path));
+    writeFileAtomically(yaml_path,
+                        withImage(readWholeFile(yaml_path, kMaxTextBytes), previous_path));
+  }
   writeFileAtomically(image_path, file.pgm);
-  writeFileAtomically(stem + ".yaml", file.yaml);
+  writeFileAtomically(yaml_path, file.yaml);
+  std::error_code none;
+  std::filesystem::remove(previous_path, none);
 }
 
 OccupancyGrid loadMap(const std::string& yaml_path) {

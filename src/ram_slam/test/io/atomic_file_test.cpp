@@ -9,9 +9,11 @@
 #include <stdexcept>
 #include <system_error>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -150,6 +152,32 @@ TEST_F(AtomicFile, ALinkIsReplacedAndWhatItPointsToStays) {
   writeFileAtomically(path("link"), "new");
   EXPECT_FALSE(std::filesystem::is_symlink(path("link")));
   EXPECT_EQ(readWholeFile(path("target"), 100), "target");
+}
+
+TEST_F(AtomicFile, ADeviceIsWrittenToAndStaysADevice) {
+  EXPECT_THAT([] { writeFileAtomically("/dev/full", "x"); },
+              ThrowsMessage<std::system_error>(HasSubstr("No space left")));
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  writeFileAtomically(path("pipe"), "text");
+  char text[5] = {};
+  EXPECT_EQ(::read(reader, text, 4), 4);
+  EXPECT_STREQ(text, "text");
+  ::close(reader);
+  EXPECT_TRUE(std::filesystem::is_fifo(path("pipe")));
+}
+
+TEST_F(AtomicFile, WhatAWriterThatIsNoMoreLeftBehindIsRemovedByTheNextSave) {
+  const pid_t gone = ::fork();
+  if (gone == 0) ::_exit(0);
+  ::waitpid(gone, nullptr, 0);
+  std::ofstream(path("other.writing-" + std::to_string(gone))) << "half";
+  std::ofstream(path("other.writing-" + std::to_string(::getppid()))) << "in work";
+  std::ofstream(path("other.writing-notes")) << "a user's";
+  writeFileAtomically(path("file"), "new");
+  EXPECT_EQ(fileCount(), 3);
+  EXPECT_FALSE(std::filesystem::exists(path("other.writing-" + std::to_string(gone))));
 }
 
 TEST_F(AtomicFile, AFileOfExactlyTheMostBytesIsRead) {

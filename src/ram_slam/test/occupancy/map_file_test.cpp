@@ -2,10 +2,13 @@
 #include "ram_slam/occupancy/map_file.hpp"
 
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
 #include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "ram_slam/io/atomic_file.hpp"
@@ -89,6 +92,33 @@ TEST_F(MapFileTest, SavedLoadedAndSavedAgainIsTheSameToTheByte) {
   saveMap(loadMap(path("map.yaml")), path("map"));
   EXPECT_EQ(read("map.pgm"), pgm);
   EXPECT_EQ(read("map.yaml"), yaml);
+}
+
+TEST_F(MapFileTest, AMapperKilledWhileItSavesLeavesTheOldMapOrTheNewOne) {
+  OccupancyGrid large = smallGrid();
+  large.map_from_grid = {7.0, -2.0, 0.5};
+  large.width = 600;
+  large.height = 500;
+  large.cells.assign(large.index(0, large.height), kOccupiedCell);
+  saveMap(smallGrid(), path("map"));
+  for (int attempt = 0; attempt < 40; ++attempt) {
+    const pid_t mapper = ::fork();
+    ASSERT_GE(mapper, 0);
+    if (mapper == 0) {
+      for (;;) {
+        saveMap(large, path("map"));
+        saveMap(smallGrid(), path("map"));
+      }
+    }
+    ::usleep(static_cast<useconds_t>(1000 + 431 * attempt));
+    ::kill(mapper, SIGKILL);
+    ::waitpid(mapper, nullptr, 0);
+    const OccupancyGrid map = loadMap(path("map.yaml"));
+    ASSERT_EQ(map.map_from_grid.x_m, map.width == 600 ? 7.0 : -51.2) << attempt;
+  }
+  saveMap(smallGrid(), path("map"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 2)
+      << "nothing is left behind";
 }
 
 TEST_F(MapFileTest, UnknownStaysUnknownAtTheThresholdWrittenAndWouldBeFreeAtALargerOne) {

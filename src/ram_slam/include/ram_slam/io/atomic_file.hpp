@@ -8,9 +8,10 @@ namespace ram_slam {
 
 /// Replaces the file at `path` by one with this content, in one step: it is written beside the old
 /// one, synced to disk, read back, renamed over it, and the folder is synced. Whatever fails, the
-/// old file stays as it was and nothing is left behind. Not for two threads writing the same path
-/// at once. \throws std::system_error naming the file and the system's reason (disk full, no
-/// permission, no such folder ...)
+/// old file stays as it was and nothing is left behind; what a killed writer left in the folder is
+/// removed by the next one. A device or pipe is written to as it is, never replaced. Not for two
+/// threads writing the same path at once. \throws std::system_error naming the file and the
+/// system's reason (disk full, no permission, no such folder ...)
 void writeFileAtomically(const std::string& path, const std::string& content);
 
 /// No file of a map is larger: 2 GiB, so that a wrong path does not fill the memory.

@@ -19,7 +19,8 @@ struct MapFile {
 /// has no cells or not width x height of them
 MapFile toMapFile(const OccupancyGrid& grid, const std::string& image_name);
 
-/// Writes `stem`.pgm and `stem`.yaml, each in one step (writeFileAtomically()).
+/// Writes `stem`.pgm and `stem`.yaml. A process that is killed meanwhile leaves the old map or the
+/// new one: then the yaml may refer to `stem`.previous.pgm, which the next save removes.
 /// \throws std::invalid_argument as toMapFile()
 /// \throws std::system_error naming the file and the system's reason
 void saveMap(const OccupancyGrid& grid, const std::string& stem);
