@@ -13,6 +13,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "parser_log.hpp"
+#include "xml_depth.hpp"
 
 namespace ramscout_sim {
 namespace {
@@ -369,13 +370,13 @@ RobotDescription parseRobot(const std::string& urdf,
   ParserLog log;
   urdf::ModelInterfaceSharedPtr model;
   try {
+    requireShallowXml(urdf);
     model = urdf::parseURDF(urdf);
   } catch (const std::exception& error) {
     refuse("XML", error.what());
   }
-  if (!model || !model->getRoot()) {
+  if (!model || !model->getRoot())
     refuse("XML", log.errors().empty() ? "not a URDF" : log.errors());
-  }
   RobotDescription robot;
   robot.name = model->getName();
   robot.base_frame = model->getRoot()->name;

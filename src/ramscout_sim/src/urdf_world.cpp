@@ -9,6 +9,7 @@
 #include "ramscout_sim/model_files.hpp"
 
 #include "parser_log.hpp"
+#include "xml_depth.hpp"
 
 namespace ramscout_sim {
 namespace {
@@ -88,6 +89,7 @@ std::vector<Solid> readUrdfSolids(const std::string& path) {
   const ParserLog log;
   std::shared_ptr<urdf::ModelInterface> model;
   try {
+    requireShallowXml(text.str());
     model = urdf::parseURDF(text.str());
   } catch (const std::exception& error) {
     refuse(path, error.what());

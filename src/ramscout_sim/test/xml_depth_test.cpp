@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/xml_depth.hpp"
+
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "ramscout_sim/robot_description.hpp"
+
+namespace ramscout_sim {
+namespace {
+
+std::string nested(int depth, bool closed) {
+  std::string text = "<robot name=\"deep\">";
+  for (int i = 1; i < depth; ++i) text += "<link name=\"a\">";
+  if (!closed) return text;
+  for (int i = 1; i < depth; ++i) text += "</link>";
+  return text + "</robot>";
+}
+
+TEST(XmlDepth, CountsElementsWithinElements) {
+  EXPECT_EQ(depthOfXml(""), 0);
+  EXPECT_EQ(depthOfXml("no xml"), 0);
+  EXPECT_EQ(depthOfXml("<?xml version=\"1.0\"?><a><b/><c x=\"a>b\"/></a>"), 1);
+  EXPECT_EQ(depthOfXml("<a><!-- <b><c> --><d>text</d><d/></a>"), 2);
+  EXPECT_EQ(depthOfXml(nested(7, true)), 7);
+  EXPECT_EQ(depthOfXml("<"), 0);
+  EXPECT_EQ(depthOfXml("<a"), 1);
+}
+
+TEST(XmlDepth, ARobotOfFiftyThousandNestedElementsIsRefusedWithAReason) {
+  for (const bool closed : {true, false})
+    EXPECT_THAT([&] { parseRobot(nested(50'000, closed), "laser", RobotLimits{}); },
+                testing::ThrowsMessage<std::exception>(testing::HasSubstr("nested")));
+}
+
+}  // namespace
+}  // namespace ramscout_sim
