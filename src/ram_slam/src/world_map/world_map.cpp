@@ -77,6 +77,52 @@ struct CellRange {
   double count;
 };
 
+/// The columns and rows of a grid around another one, [first, last); none if they do not touch.
+struct CellWindow {
+  CellWindow(const OccupancyGrid& grid, const Pose2& grid_from_local, const OccupancyGrid& local) {
+    const double width_m = local.width * local.resolution_m;
+    const double height_m = local.height * local.resolution_m;
+    Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
+    Eigen::Array2d high = -low;
+    for (const Eigen::Vector2d& corner :
+         {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(width_m, 0.0), Eigen::Vector2d(0.0, height_m),
+          Eigen::Vector2d(width_m, height_m)}) {
+      const Eigen::Array2d at = (grid_from_local * corner).array() / grid.resolution_m;
+      low = low.min(at);
+      high = high.max(at);
+    }
+    // One cell more on each side, for the rounding.
+    const auto clamped = [](double cell, int most) {
+      return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(most)));
+    };
+    first_column = clamped(low.x() - 1.0, grid.width);
+    first_row = clamped(low.y() - 1.0, grid.height);
+    last_column = clamped(high.x() + 1.0, grid.width);
+    last_row = clamped(high.y() + 1.0, grid.height);
+  }
+  int first_column, last_column, first_row, last_row;
+};
+
+/// Gives cells of a grid that are not known yet what another grid knows of them.
+void fillFrom(const LocalOccupancy& local, OccupancyGrid& grid) {
+  const Pose2 map_from_local = local.map_from_frame.planar() * local.grid.map_from_grid;
+  const Pose2 local_from_map = map_from_local.inverse();
+  const CellWindow window(grid, grid.map_from_grid.inverse() * map_from_local, local.grid);
+  const double cell_m = grid.resolution_m;
+  for (int row = window.first_row; row < window.last_row; ++row) {
+    for (int column = window.first_column; column < window.last_column; ++column) {
+      std::int8_t& cell = grid.cells[grid.index(column, row)];
+      if (cell != kUnknownCell) continue;
+      const Eigen::Vector2d centre(grid.map_from_grid.x_m + (column + 0.5) * cell_m,
+                                   grid.map_from_grid.y_m + (row + 0.5) * cell_m);
+      const Eigen::Vector2d at = local_from_map * centre / local.grid.resolution_m;
+      if (at.x() < 0.0 || at.y() < 0.0 || at.x() >= local.grid.width || at.y() >= local.grid.height)
+        continue;
+      cell = local.grid.at(static_cast<int>(at.x()), static_cast<int>(at.y()));
+    }
+  }
+}
+
 }  // namespace
 
 Eigen::Isometry3d SpatialPose::transform() const {
@@ -227,23 +273,7 @@ OccupancyGrid WorldMap::gridIn(const MapBox& box,
   grid.cells.assign(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height),
                     kUnknownCell);
 
-  for (const LocalOccupancy* local : newest_first) {
-    const Pose2 local_from_map =
-        (local->map_from_frame.planar() * local->grid.map_from_grid).inverse();
-    for (int row = 0; row < grid.height; ++row) {
-      for (int column = 0; column < grid.width; ++column) {
-        std::int8_t& cell = grid.cells[grid.index(column, row)];
-        if (cell != kUnknownCell) continue;
-        const Eigen::Vector2d centre(grid.map_from_grid.x_m + (column + 0.5) * cell_m,
-                                     grid.map_from_grid.y_m + (row + 0.5) * cell_m);
-        const Eigen::Vector2d at = local_from_map * centre / local->grid.resolution_m;
-        if (at.x() < 0.0 || at.y() < 0.0 || at.x() >= local->grid.width ||
-            at.y() >= local->grid.height)
-          continue;
-        cell = local->grid.at(static_cast<int>(at.x()), static_cast<int>(at.y()));
-      }
-    }
-  }
+  for (const LocalOccupancy* local : newest_first) fillFrom(*local, grid);
   return grid;
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/world_map/world_map.hpp"
 
+#include <algorithm>
+#include <chrono>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include <gmock/gmock.h>
 
@@ -86,6 +89,18 @@ TEST(WorldMap, RegionHoldsThePointsInside) {
   EXPECT_EQ(region.clouds[0].points[0].rgb, 0xff0000U);
   EXPECT_EQ(map.region({-1.5, 0.5, -0.5, 1.5}).clouds[0].points[0].rgb, 0x00ff00U);
   EXPECT_TRUE(map.region({20.0, 20.0, 21.0, 21.0}).clouds.empty());
+}
+
+TEST(WorldMap, ARegionAmongTensOfThousandsOfGridsIsGivenAtOnce) {
+  WorldMap map;
+  for (int i = 0; i < 5000; ++i)
+    map.put(occupancyAt(poseAt(1000.0 + i, 0.0), 10, "far" + std::to_string(i)));
+  map.put(occupancyAt(poseAt(0.0, 0.0), 20, "here"));
+  const auto start = std::chrono::steady_clock::now();
+  const OccupancyGrid grid = map.region({-100.0, -100.0, 100.0, 100.0}).grid;
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(500));
+  EXPECT_EQ(grid.width, 400);
+  EXPECT_EQ(std::count(grid.cells.begin(), grid.cells.end(), kUnknownCell), 400 * 400 - 12);
 }
 
 TEST(WorldMap, EmptyMapHasEmptyRegions) {
