@@ -279,7 +279,11 @@ std::vector<ReferenceScan> LaserOdometry::references() const {
   std::size_t back = 1;
   for (int i = 0; i < parameters_.reference_count && back <= key_scans_.size(); ++i) {
     const KeyScan& key = key_scans_[key_scans_.size() - back];
-    chosen.push_back({&key.surfaces, key.odom_from_laser});
+    const Eigen::Vector2d away_m =
+        key.odom_from_laser.translation() - key_scans_.back().odom_from_laser.translation();
+    // Beyond a jump of the odometry: no overlap, and grids of that extent would fill the memory.
+    if (away_m.norm() <= parameters_.max_reference_distance_m)
+      chosen.push_back({&key.surfaces, key.odom_from_laser});
     back += static_cast<std::size_t>(i + 1);
   }
   return chosen;

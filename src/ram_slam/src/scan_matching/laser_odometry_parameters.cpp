@@ -64,6 +64,8 @@ ParameterTable<P> userRows() {
   return ParameterTable<P>()
       .add("odom_frame", &P::odom_frame, "Frame of the refined odometry.")
       .add("base_frame", &P::base_frame, "Frame of the robot's base.")
+      .rule(&P::base_frame, "another frame than odom_frame",
+            [](const P& p) { return p.base_frame != p.odom_frame; })
       .add("use_wheels", &P::use_wheels, "False: do not wait for wheel odometry.")
       .include(&P::surfaces, SurfaceParameters::table())
       .include(&P::matcher, ScanMatcherParameters::table())
@@ -81,6 +83,9 @@ ParameterTable<P> userRows() {
             [](const P& p) {
               return p.reference_count >= 1 && p.reference_count <= p.key_scan_count;
             })
+      .add("max_reference_distance_m", &P::max_reference_distance_m, "m", aboveUpTo(0.0, 1000.0),
+           "And not farther than this from the newest one: beyond a jump of the odometry nothing "
+           "overlaps.")
       .heading("Standard deviation of the wheels' motion between two scans")
       .add("wheel_rest_deviation_m", &P::wheel_rest_deviation_m, "m", positive(),
            "Of the distance, at rest.")

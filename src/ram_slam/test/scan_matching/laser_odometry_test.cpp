@@ -6,6 +6,7 @@
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include "walls.hpp"
 
@@ -101,6 +102,22 @@ TEST(LaserOdometry, WheelsThatJumpAreNoCarryingAway) {
   const LaserOdometryEstimate estimate = odometry.update(again, kMount, Pose2{0.4, 0.0, 0.3});
   EXPECT_FALSE(estimate.jumped);
   EXPECT_LT(difference(estimate.odom_from_base.pose, {}).norm(), 0.01);
+}
+
+TEST(LaserOdometry, WheelsThatJumpToAndFroByThousandsOfKilometresFillNoMemory) {
+  LaserOdometry odometry{LaserOdometryParameters()};
+  const auto memory_kb = [] {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const long before_kb = memory_kb();
+  for (int step = 1; step < 60; ++step) {
+    const double x_m = step % 3 == 0 ? 300.0 * step : (step % 2 == 0 ? 1e6 : -1e6);
+    odometry.update(scanWalls(room(), drive(step) * kMount, step * kStepNs), kMount,
+                    Pose2{x_m, 0.0, 0.0});
+  }
+  EXPECT_LT(memory_kb() - before_kb, 60'000);
 }
 
 TEST(Surfaces, OfALaserThatMovesDuringItsSweepAreWhereTheWallsAre) {
@@ -344,6 +361,9 @@ TEST(LaserOdometryParameters, RefuseValuesOutOfBounds) {
   EXPECT_THAT([&] { LaserOdometry odometry(parameters); },
               ThrowsMessage<std::invalid_argument>(
                   HasSubstr("reference_count must be in [1, key_scan_count], got 0")));
+  parameters = {};
+  parameters.base_frame = parameters.odom_frame;
+  EXPECT_THROW(parameters.validate(), std::invalid_argument);
 }
 
 }  // namespace

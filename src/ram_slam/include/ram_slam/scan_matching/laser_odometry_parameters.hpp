@@ -56,6 +56,7 @@ struct LaserOdometryParameters {
   double key_scan_inlier_ratio = 0.6;  ///< or when so little of the scan is seen in the last ones
   int key_scan_count = 20;             ///< how many key scans are kept
   int reference_count = 3;             ///< with how many of them a scan is matched
+  double max_reference_distance_m = 50.0;  ///< from the newest; beyond a jump nothing overlaps
   /// Standard deviation of the wheels' motion: at rest, per metre driven and per radian turned.
   double wheel_rest_deviation_m = 0.01;
   double wheel_rest_deviation_rad = 0.005;
