@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A CARMEN log as a ROS bag, for `rosbag play` and rviz.
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <string>
 #include <variant>
 
@@ -39,8 +41,19 @@ geometry_msgs::TransformStamped toTransform(std::int64_t stamp_ns,
 
 class BagWriter {
 public:
-  explicit BagWriter(const std::string& path) : bag_(path, rosbag::bagmode::Write) {
-    bag_.setCompression(rosbag::compression::LZ4);
+  explicit BagWriter(const std::string& path)
+      : bag_(std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Write)) {
+    bag_->setCompression(rosbag::compression::LZ4);
+  }
+  BagWriter(const BagWriter&) = delete;
+  BagWriter& operator=(const BagWriter&) = delete;
+  /// Of a bag that could not be closed, the destructor would end the process: it is left to the
+  /// system.
+  ~BagWriter() { static_cast<void>(bag_.release()); }
+
+  void close() {
+    bag_->close();
+    bag_.reset();
   }
 
   void write(const StampedPose2& reading) {
@@ -49,11 +62,11 @@ public:
     odometry.header.frame_id = "odom";
     odometry.child_frame_id = "base_link";
     odometry.pose.pose = ram_slam_ros::toPoseMessage(reading.pose);
-    bag_.write("/odom", odometry.header.stamp, odometry);
+    bag_->write("/odom", odometry.header.stamp, odometry);
     tf2_msgs::TFMessage transforms;
     transforms.transforms.push_back(
         toTransform(reading.stamp_ns, "odom", "base_link", reading.pose));
-    bag_.write("/tf", odometry.header.stamp, transforms);
+    bag_->write("/tf", odometry.header.stamp, transforms);
   }
 
   void write(const MountedScan& reading) {
@@ -62,7 +75,7 @@ public:
       tf2_msgs::TFMessage transforms;
       transforms.transforms.push_back(
           toTransform(reading.scan.stamp_ns, "base_link", "laser", reading.base_from_laser));
-      bag_.write("/tf_static", stamp, transforms);
+      bag_->write("/tf_static", stamp, transforms);
       mount_written_ = stamp;
     }
     const ram_slam::LaserScan& scan = reading.scan;
@@ -76,11 +89,11 @@ public:
     message.range_min = scan.range_min_m;
     message.range_max = scan.range_max_m;
     message.ranges = scan.ranges_m;
-    bag_.write("/scan", stamp, message);
+    bag_->write("/scan", stamp, message);
   }
 
 private:
-  rosbag::Bag bag_;
+  std::unique_ptr<rosbag::Bag> bag_;
   ros::Time mount_written_;
 };
 
@@ -97,18 +110,20 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingFile);
   app.add_option("output", output, "bag to write")->required();
   CLI11_PARSE(app, argc, argv);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of file sizes is an error of writing like others
+  const std::string unfinished = output + ".active";
   try {
     ramscout_bringup::CarmenRecording recording(input);
-    const std::string unfinished = output + ".active";
-    {
-      BagWriter bag(unfinished);
-      while (auto reading = recording.next())
-        std::visit([&](const auto& value) { bag.write(value); }, *reading);
-    }
+    BagWriter bag(unfinished);
+    while (auto reading = recording.next())
+      std::visit([&](const auto& value) { bag.write(value); }, *reading);
+    bag.close();
     std::filesystem::rename(unfinished, output);
     for (const std::string& note : recording.notes()) std::cout << note << "\n";
   } catch (const std::exception& error) {
-    std::cerr << "log_to_bag: " << error.what() << "\n";
+    std::cerr << "log_to_bag: " << output << " was not written: " << error.what() << "\n";
+    std::error_code none;
+    std::filesystem::remove(unfinished, none);
     return EXIT_FAILURE;
   }
   return EXIT_SUCCESS;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The whole stack on a recording, as fast as it goes: a ROS bag or a CARMEN log in, the files of a
 // run out.
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +11,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <variant>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +19,7 @@
 #include <malloc.h>
 #include <ros/package.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include "ram_slam/io/atomic_file.hpp"
 #include "ramscout_bringup/slam_pipeline.hpp"
@@ -86,10 +89,13 @@ ramscout_bringup::Results map(ramscout_bringup::Recording& recording, const Opti
 
 /// \return whether the map stands on at least half of the scans
 bool run(const Options& options) {
+  // Before the work, not after it.
+  std::filesystem::create_directories(options.output);
+  if (::access(options.output.c_str(), W_OK | X_OK) != 0)
+    throw std::system_error(errno, std::generic_category(), "writing to " + options.output);
   const auto recording = ramscout_bringup_ros::openRecording(options.input, options.recording);
   const ramscout_bringup::Results results = map(*recording, options);
   malloc_trim(0);  // gives back what the mapping took, before the picture takes as much again
-  std::filesystem::create_directories(options.output);
   ramscout_bringup::writeResults(results, options.output);
   const nlohmann::ordered_json timing = cost(results.summary["duration_s"]);
   ram_slam::writeFileAtomically(options.output + "/timing.json", timing.dump(2) + "\n");
@@ -107,7 +113,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Runs the whole SLAM stack on a recording, as fast as it goes, and writes map, trajectory, "
       "landmarks, picture and "
-      "summary. Ctrl-C stops early with what there is.");
+      "summary. Ctrl-C or SIGTERM stops early with what there is.");
   Options options;
   options.output = "results";
   app.add_option(
@@ -132,6 +138,7 @@ int main(int argc, char** argv) {
   app.add_option("--estimator", options.estimator, "name of the estimator")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   std::signal(SIGINT, requestStop);
+  std::signal(SIGTERM, requestStop);
   try {
     if (options.config.empty())
       options.config = ros::package::getPath("ramscout_bringup") + "/config";

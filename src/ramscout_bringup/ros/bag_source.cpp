@@ -41,20 +41,28 @@ public:
   void restart(const std::vector<std::string>& topics) override {
     view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(topics));
     message_ = view_->begin();
+    damaged_count_ = 0;
   }
 
   std::optional<RecordedMessage> next() override {
-    try {
-      for (; message_ != view_->end(); ++message_) {
+    for (; message_ != view_->end(); ++message_) {
+      try {
         auto message = convert(*message_);
         if (!message) continue;
         ++message_;
         return message;
+      } catch (const std::exception& error) {
+        ++damaged_count_;
+        damage_ = error.what();
       }
-    } catch (const rosbag::BagException& error) {
-      throw std::runtime_error("the bag " + path_ + " is damaged: " + error.what());
     }
     return std::nullopt;
+  }
+
+  std::vector<std::string> notes() const override {
+    if (damaged_count_ == 0) return {};
+    return {"left out " + std::to_string(damaged_count_) + " messages: the bag " + path_ +
+            " is damaged (" + damage_ + ")"};
   }
 
 private:
@@ -79,6 +87,8 @@ private:
   std::vector<RecordedTopic> topics_;
   std::unique_ptr<rosbag::View> view_;
   rosbag::View::iterator message_;
+  std::size_t damaged_count_ = 0;
+  std::string damage_;  ///< of the newest one
 };
 
 }  // namespace

@@ -12,6 +12,9 @@
 namespace ramscout_bringup {
 namespace {
 
+/// Of a log's lines, which have some thousands; a packed file of some kilobytes may hold gigabytes.
+constexpr std::size_t kLongestLine = 16'000'000;
+
 enum class Packing { kNone, kGzip, kXz };
 
 Packing detectPacking(std::ifstream& file) {
@@ -49,7 +52,16 @@ TextFile::~TextFile() = default;
 
 std::optional<std::string_view> TextFile::nextLine() {
   try {
-    if (!std::getline(streams_->text, line_)) return std::nullopt;
+    line_.clear();
+    std::streambuf& characters = *streams_->text.rdbuf();
+    constexpr int kEnd = std::char_traits<char>::eof();
+    int c = characters.sbumpc();
+    if (c == kEnd) return std::nullopt;
+    for (; c != kEnd && c != '\n'; c = characters.sbumpc()) {
+      if (line_.size() >= kLongestLine)
+        throw std::runtime_error("a line has more than 16 million characters");
+      line_.push_back(static_cast<char>(c));
+    }
   } catch (const std::exception& error) {
     throw std::runtime_error(path_ + " is damaged: " + error.what());
   }

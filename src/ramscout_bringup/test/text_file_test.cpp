@@ -11,7 +11,7 @@
 #include <boost/iostreams/filter/gzip.hpp>
 #include <boost/iostreams/filter/lzma.hpp>
 #include <boost/iostreams/filtering_stream.hpp>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 namespace ramscout_bringup {
 namespace {
@@ -113,6 +113,13 @@ TEST_F(TextFileTest, PackedFilesBehindEachOtherAreOneText) {
   const std::string twice = packed("first\n\n", boost::iostreams::gzip_compressor()) +
                             packed("third\n", boost::iostreams::gzip_compressor());
   EXPECT_EQ(linesOf(write(twice)), kLines);
+}
+
+TEST_F(TextFileTest, APackedFileOfOneEndlessLineIsRefusedSoon) {
+  const std::string file =
+      write(packed(std::string(40'000'000, 'x'), boost::iostreams::gzip_compressor()));
+  EXPECT_THAT([&] { linesOf(file); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("a line has more")));
 }
 
 TEST_F(TextFileTest, ALineMayBeLongAndHoldAnyByte) {

@@ -3,10 +3,12 @@
 import math
 import os
 import re
+import resource
+import subprocess
 
 import rosbag
 import rosunit
-from synthetic_log import FIRST_STAMP_S, LINES, MOUNT_X_M, PERIOD_S, STEPS, ProgramTest, true_poses
+from synthetic_log import FIRST_STAMP_S, LINES, MOUNT_X_M, PERIOD_S, PROGRAMS, STEPS, ProgramTest, true_poses
 
 
 def yaw_of(rotation):
@@ -156,6 +158,31 @@ class BagCheckTest(ProgramTest):
         self.to_bag(LINES[:3])
         self.assertTrue(self.read("drive.bag").startswith(b"#ROSBAG V2.0"))
         self.assertFalse(os.path.exists(self.path("drive.bag.active")))
+
+    def test_a_damaged_chunk_in_the_middle_costs_its_messages_only_and_the_bag_is_named(self):
+        damaged = self.path("damaged.bag")
+        with rosbag.Bag(self.to_bag()) as bag, rosbag.Bag(damaged, "w", compression="bz2", chunk_threshold=3000) as copy:
+            for topic, message, stamp in bag.read_messages():
+                copy.write(topic, message, stamp)
+        with rosbag.Bag(damaged) as bag:
+            chunks = [chunk.pos for chunk in bag._chunks]
+        self.assertGreater(len(chunks), 5)
+        with open(damaged, "r+b") as file:
+            file.seek(chunks[len(chunks) // 2] + 200)
+            file.write(b"\xff" * 300)
+        finished = self.run_program("bag_check", damaged)
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        self.assertRegex(finished.stdout, r"left out \d+ messages: the bag .*damaged.bag is damaged")
+        self.assertGreater(int(re.search(r"(\d+) usable scans", finished.stdout)[1]), STEPS // 2)
+
+    def test_log_to_bag_on_a_full_disk_fails_with_the_reason_and_leaves_nothing(self):
+        log = self.write("drive.clf", "".join(LINES))
+        finished = subprocess.run(
+            [os.path.join(PROGRAMS, "log_to_bag"), log, self.path("full.bag")], capture_output=True, text=True, timeout=60,
+            check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000)))
+        self.assertEqual(finished.returncode, 1, finished.stderr)
+        self.assertIn("full.bag was not written", finished.stderr)
+        self.assertEqual([name for name in os.listdir(self.path("")) if name.startswith("full.bag")], [])
 
 
 if __name__ == "__main__":

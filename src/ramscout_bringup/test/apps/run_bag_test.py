@@ -194,6 +194,13 @@ class RunBagTest(ProgramTest):
         for ours, theirs in zip(poses, from_bag):  # angles are single precision in messages
             self.assertLess(math.dist(ours[1:3], theirs[1:3]), 0.005)
 
+    def test_an_output_that_cannot_be_written_is_reported_before_the_work(self):
+        finished = self.run_program("run_bag", self.write("drive.clf", "".join(LINES)), "--output", "/proc/out",
+                                    "--config", CONFIG)
+        self.assertEqual(finished.returncode, 1)
+        self.assertIn("/proc/out", finished.stderr)
+        self.assertNotIn("100%", finished.stdout)
+
 
 if __name__ == "__main__":
     rosunit.unitrun("ramscout_bringup", "run_bag_test", RunBagTest)
