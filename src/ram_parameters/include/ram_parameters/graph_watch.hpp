@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace ram_parameters {
+
+/// What a node can see of the graph around it.
+struct GraphSight {
+  bool master_answers = true;
+  bool is_registered = true;     ///< the master knows this node; of no meaning without its answer
+  bool waits_for_clock = false;  ///< use_sim_time is set and no clock has come
+};
+
+/// Decides what a node must report about the graph: a master that is gone or has forgotten the
+/// node, a clock that does not come.
+class GraphWatch {
+public:
+  /// \param interval_s  wall time since the call before
+  void see(const GraphSight& sight, double interval_s);
+
+  /// What is wrong now and what to do; empty if nothing is.
+  const std::string& problem() const { return problem_; }
+  /// The master was started again and does not know this node: it can only be started again, too.
+  bool mustEnd() const { return forgotten_count_ >= kSightsBeforeEnd; }
+
+private:
+  static constexpr double kClockPatience_s = 3.0;  ///< simulators and bags start within that
+  static constexpr int kSightsBeforeEnd = 2;       ///< the first may fall between two registrations
+
+  std::string problem_;
+  double without_clock_s_ = 0.0;
+  int forgotten_count_ = 0;
+};
+
+}  // namespace ram_parameters
