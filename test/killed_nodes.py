@@ -14,6 +14,7 @@ import rostest
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from ram_slam_msgs.msg import LandmarkMap
+from rosgraph_msgs.msg import Clock
 from tf2_msgs.msg import TFMessage
 
 DRIVE_S = 12.0
@@ -136,6 +137,37 @@ class KilledNodes(unittest.TestCase):
         rospy.loginfo("error after kinematics was killed %.3f m, %.4f rad", error_m, error_rad)
         self.assertLess(error_m, BRIDGED_M)
         self.assertLess(error_rad, BRIDGED_RAD)
+
+    def test_3_all_that_keeps_no_state_of_the_pose(self):
+        nodes = ("/occupancy_mapper", "/world_map", "/map_smoother", "/robot_state_publisher", "/feature_detector",
+                 "/laser_odometry")
+        pids = {node: self.pid(node) for node in nodes}
+        for node in nodes:
+            os.kill(pids[node], signal.SIGKILL)
+
+        def is_back(node):
+            try:
+                return self.pid(node) != pids[node]
+            except (OSError, rosgraph.MasterError):
+                return False
+
+        self.assertTrue(wait_until(lambda: all(is_back(node) for node in nodes)))
+        self.map_count = 0
+        count = len(self.poses)
+        self.assertTrue(wait_until(lambda: self.map_count > 1 and len(self.poses) > count + 50))
+        error_m, error_rad = self.error()
+        rospy.loginfo("error after all others were killed %.3f m, %.4f rad", error_m, error_rad)
+
+    def test_4_one_leap_of_the_clock(self):
+        clock = rospy.Publisher("/clock", Clock, queue_size=1)
+        self.assertTrue(wait_until(lambda: clock.get_num_connections() >= 5 and self.map is not None))
+        clock.publish(Clock(rospy.Time.now() + rospy.Duration(1000.0)))
+        leapt = time.time()
+        count = len(self.poses)
+        self.assertTrue(wait_until(lambda: self.tf_times[-1] > leapt + 1.0 and len(self.poses) > count + 20))
+        self.assertLess(next(stamp for stamp in self.tf_times if stamp > leapt + 0.5) - leapt, LONGEST_GAP_S)
+        self.map_count = 0
+        self.assertTrue(wait_until(lambda: self.map_count > 1))
 
 
 if __name__ == "__main__":

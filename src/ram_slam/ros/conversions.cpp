@@ -27,7 +27,10 @@ ram_slam::Pose2 toPose2(double x, double y, const geometry_msgs::Quaternion& q) 
     throw std::invalid_argument("pose is not finite or its quaternion (norm " +
                                 std::to_string(norm) + ") is not a rotation");
   }
-  return {x, y, std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
+  const ram_slam::Pose2 pose{
+      x, y, std::atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))};
+  if (!pose.isUsable()) throw std::invalid_argument("pose is farther off than 10,000 km");
+  return pose;
 }
 
 geometry_msgs::Quaternion toQuaternion(double yaw_rad) {
@@ -92,7 +95,9 @@ ram_slam::PoseWithCovariance2 toPoseWithCovariance2(
       pose.covariance(row, column) = message.covariance[6 * kPlanar[row] + kPlanar[column]];
     }
   }
-  if (!pose.covariance.allFinite()) throw std::invalid_argument("pose covariance is not finite");
+  constexpr double kMostVariance = ram_slam::kFarthest_m * ram_slam::kFarthest_m;
+  if (!pose.covariance.allFinite() || pose.covariance.cwiseAbs().maxCoeff() > kMostVariance)
+    throw std::invalid_argument("pose covariance is not finite or greater than 1e14");
   return pose;
 }
 
@@ -107,6 +112,19 @@ geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(
     }
   }
   return message;
+}
+
+void requireFrames(const nav_msgs::Odometry& message,
+                   const std::string& odom_frame,
+                   const std::string& base_frame) {
+  const auto matches = [](const std::string& wanted, const std::string& got) {
+    return got.empty() || wanted == got;
+  };
+  if (matches(odom_frame, message.header.frame_id) && matches(base_frame, message.child_frame_id))
+    return;
+  throw std::invalid_argument("it is of '" + message.child_frame_id + "' in '" +
+                              message.header.frame_id + "', wanted '" + base_frame + "' in '" +
+                              odom_frame + "': set odom_frame and base_frame");
 }
 
 double sweep_s(const sensor_msgs::LaserScan& message) {
@@ -193,6 +211,9 @@ CheckedFeatures toFeatureList(const ram_slam_msgs::FeatureList& message,
   for (std::size_t i = 0; i < taken; ++i) {
     try {
       ram_slam::Feature feature = toFeature(message.features[i]);
+      if (!(feature.position_m.norm() <= kFarthestRangeM) ||
+          !(feature.covariance_m2.trace() <= kFarthestRangeM * kFarthestRangeM))
+        throw std::invalid_argument("a feature is farther off or less certain than 1000 m");
       feature.delay_ns = delayOf(message.features[i].header.stamp, checked.list.stamp_ns);
       checked.list.features.push_back(std::move(feature));
     } catch (const std::invalid_argument&) {

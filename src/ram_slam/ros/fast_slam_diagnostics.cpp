@@ -43,10 +43,12 @@ void FastSlamDiagnostics::addRejectedList() {
 
 void FastSlamDiagnostics::set(const ram_slam::EstimatorStage& stage,
                               const ram_slam::DropCounter& queue_drops,
+                              const ram_slam::LossCounter& messages,
                               bool paused,
-                              const std::string& missing_transform) {
+                              const std::string& problem_of_transforms) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  missing_transform_ = missing_transform;
+  messages_ = messages;
+  problem_of_transforms_ = problem_of_transforms;
   paused_ = paused;
   is_lost_ = stage.estimator().isLost();
   state_ = stage.estimator().state();
@@ -65,12 +67,15 @@ DiagnosticStatus FastSlamDiagnostics::status() {
   status.hardware_id = "none";
   status.level = DiagnosticStatus::OK;
   status.message = state_;
+  drop_share_.update(messages_.received(), messages_.lost(), drops_.total() + queue_drops_.total());
+  reportShare(status, drop_share_.share(), messages_,
+              queue_drops_.total() > 0 ? queue_drops_ : drops_);
   if (is_lost_) {
     status.level = DiagnosticStatus::ERROR;
     status.message = "lost: " + state_;
-  } else if (!missing_transform_.empty()) {
+  } else if (!problem_of_transforms_.empty()) {
     status.level = DiagnosticStatus::ERROR;
-    status.message = missing_transform_;
+    status.message = problem_of_transforms_;
   } else if (newly_rejected > 0) {
     status.level = newly_rejected > newly_good ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
     status.message = "features rejected";

@@ -11,12 +11,14 @@
 #include <ros/ros.h>
 
 #include "ram_slam/stages/estimator_stage.hpp"
+#include "ram_slam/stages/loss_counter.hpp"
 
 namespace ram_slam_ros {
 
 /// How the estimator does, once per second on /diagnostics, from a thread of ROS's own: OK while
 /// the robot is tracked, WARN if features are rejected, do not come or are not wanted, ERROR while
-/// it is lost, a transform is missing or most features are rejected.
+/// it is lost, a transform is missing or comes from two nodes, most features are rejected, or more
+/// than a fifth of the lists are lost or dropped.
 class FastSlamDiagnostics {
 public:
   /// \param silence_s  without features after which that is a warning
@@ -26,8 +28,9 @@ public:
   void addRejectedList();
   void set(const ram_slam::EstimatorStage& stage,
            const ram_slam::DropCounter& queue_drops,
+           const ram_slam::LossCounter& messages,
            bool paused,
-           const std::string& missing_transform);
+           const std::string& problem_of_transforms);
 
 private:
   void publish();
@@ -45,12 +48,14 @@ private:
   ros::WallTime newest_;
 
   bool paused_ = false;
-  std::string missing_transform_;
+  std::string problem_of_transforms_;
   bool is_lost_ = false;
   std::string state_ = "tracking";
   std::vector<std::pair<std::string, double>> health_;
   ram_slam::DropCounter drops_;
   ram_slam::DropCounter queue_drops_;
+  ram_slam::LossCounter messages_;
+  ram_slam::DropShare drop_share_;
 
   ros::NodeHandle node_;
   ros::Publisher publisher_;

@@ -10,6 +10,7 @@
 #include <ram_slam_msgs/Tracking.h>
 #include <std_msgs/Bool.h>
 
+#include "ram_parameters/ros/run_node.hpp"
 #include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/landmark_conversions.hpp"
@@ -86,7 +87,8 @@ FastSlamNode::~FastSlamNode() {
   stop_ = true;
   queue_changed_.notify_all();
   thread_.join();
-  checkpoints_.remove();  // this is an orderly end
+  // Ctrl-C ends the launch; after rosnode kill or a lost master roslaunch starts the node again.
+  if (ram_parameters_ros::wasInterrupted()) checkpoints_.remove();
 }
 
 void FastSlamNode::advertise() {
@@ -116,6 +118,7 @@ void FastSlamNode::subscribe() {
       node_.subscribe("initialpose", 2, &FastSlamNode::onInitialPose, this, hints));
   subscribers_.push_back(
       node_.subscribe("smoothed_trajectory", 1, &FastSlamNode::onSmoothedTrajectory, this, hints));
+  subscribers_.push_back(node_.subscribe("/tf", 100, &FastSlamNode::onTransforms, this, hints));
   if (node_parameters_.use_scan) {
     subscribers_.push_back(node_.subscribe("scan", 20, &FastSlamNode::onScan, this, hints));
   }
@@ -123,7 +126,12 @@ void FastSlamNode::subscribe() {
     ROS_INFO_STREAM("Subscribed to " << subscriber.getTopic());
 }
 
-void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
+void FastSlamNode::onFeatures(const ros::MessageEvent<const ram_slam_msgs::FeatureList>& event) {
+  const ram_slam_msgs::FeatureList& message = *event.getMessage();
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    messages_.add(event.getPublisherName(), message.header.seq);
+  }
   try {
     CheckedFeatures checked = toFeatureList(message, node_parameters_.frames.base);
     diagnostics_.addFeatures(checked.list.features.size(), checked.rejected_count);
@@ -134,11 +142,9 @@ void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
                                               << " rejected: position or covariance unusable");
     }
     const std::lock_guard<std::mutex> lock(queue_mutex_);
-    if (queue_.size() >= static_cast<std::size_t>(node_parameters_.waiting.queue_size)) {
-      queue_drops_.add(ram_slam::DropReason::kQueueFull, queue_.front().stamp_ns, "features");
-      queue_.pop_front();
-    }
-    enqueue(std::move(checked.list));
+    auto passed =
+        guard_.add(checked.list.stamp_ns, checked.list, queue_drops_, event.getPublisherName());
+    for (ram_slam::FeatureList& list : passed.messages) enqueue(std::move(list));
     queue_changed_.notify_one();
   } catch (const std::exception& error) {
     diagnostics_.addRejectedList();
@@ -147,6 +153,10 @@ void FastSlamNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
 }
 
 void FastSlamNode::enqueue(ram_slam::FeatureList list) {
+  if (queue_.size() >= static_cast<std::size_t>(node_parameters_.waiting.queue_size)) {
+    queue_drops_.add(ram_slam::DropReason::kQueueFull, queue_.front().stamp_ns, "features");
+    queue_.pop_front();
+  }
   // Detectors need different times for one scan; what is much older is of another run of the clock.
   auto place = queue_.end();
   while (place != queue_.begin() && std::prev(place)->stamp_ns > list.stamp_ns &&
@@ -157,6 +167,17 @@ void FastSlamNode::enqueue(ram_slam::FeatureList list) {
 
 void FastSlamNode::onScan(const sensor_msgs::LaserScanConstPtr& message) {
   views_.add(message);
+}
+
+void FastSlamNode::onTransforms(const ros::MessageEvent<const tf2_msgs::TFMessage>& event) {
+  const ram_slam::Frames& frames = node_parameters_.frames;
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
+    const std::string& child = transform.child_frame_id;
+    if (child != frames.odom && child != frames.base) continue;
+    authorities_.add(transform.header.frame_id, child, event.getPublisherName(),
+                     ros::WallTime::now().toSec());
+  }
 }
 
 void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message) {
@@ -235,6 +256,10 @@ bool FastSlamNode::onReset(std_srvs::Trigger::Request& /*request*/,
   response.success = lock.owns_lock();
   if (response.success) {
     stage_.reset();
+    {
+      const std::lock_guard<std::mutex> queue_lock(queue_mutex_);
+      guard_ = {};
+    }
     afterReset("a reset was requested");
     publishLost();
   } else {

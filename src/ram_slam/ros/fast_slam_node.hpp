@@ -19,12 +19,15 @@
 #include <std_srvs/Empty.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
+#include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/stages/authority_guard.hpp"
 #include "ram_slam/stages/estimator_stage.hpp"
 #include "ram_slam/stages/fast_slam_node_parameters.hpp"
+#include "ram_slam/stages/input_guard.hpp"
 
 #include "checkpoint_keeper.hpp"
 #include "fast_slam_diagnostics.hpp"
@@ -46,8 +49,9 @@ public:
   FastSlamNode& operator=(const FastSlamNode&) = delete;
 
 private:
-  void onFeatures(const ram_slam_msgs::FeatureList& message);
+  void onFeatures(const ros::MessageEvent<const ram_slam_msgs::FeatureList>& event);
   void onScan(const sensor_msgs::LaserScanConstPtr& message);
+  void onTransforms(const ros::MessageEvent<const tf2_msgs::TFMessage>& event);
   /// Puts a list in its place by stamp; the caller holds queue_mutex_.
   void enqueue(ram_slam::FeatureList list);
   /// Bends the map along what a smoother found.
@@ -78,6 +82,8 @@ private:
   /// The same at the estimator's stamp.
   void publishPose();
   void publishLost();
+  /// What is wrong with the transforms and what to do; empty if nothing is.
+  std::string problemOfTransforms() const;
   void publishMap();
 
   ram_slam::FastSlamNodeParameters node_parameters_;
@@ -86,7 +92,8 @@ private:
   ram_slam::EstimatorFactory make_estimator_;
 
   ros::NodeHandle node_;
-  tf2_ros::Buffer buffer_;
+  // Longer than tf's usual: the wheels bridge an interruption of the refined odometry.
+  tf2_ros::Buffer buffer_{ros::Duration(120.0)};
   tf2_ros::TransformListener listener_{buffer_};
   LaserViews views_;
   MapToOdomPublisher map_to_odom_;
@@ -107,9 +114,12 @@ private:
 
   std::mutex queue_mutex_;
   std::condition_variable queue_changed_;
+  ram_slam::InputGuard<ram_slam::FeatureList> guard_;
   std::deque<ram_slam::FeatureList> queue_;
   std::optional<ram_slam::Trajectory> smoothed_;  ///< newest one that arrived
   ram_slam::DropCounter queue_drops_;
+  ram_slam::LossCounter messages_;
+  ram_slam::AuthorityGuard authorities_;
   std::atomic<bool> paused_{false};
   std::atomic<bool> stop_{false};
   FastSlamDiagnostics diagnostics_;

@@ -10,6 +10,7 @@
 #include "ram_slam/ros/occupancy_conversions.hpp"
 
 #include "fast_slam_node.hpp"
+#include "node_defaults.hpp"
 
 namespace ram_slam_ros {
 
@@ -43,7 +44,9 @@ void FastSlamNode::publishLost() {
                   subscribers_.empty() ? "features" : subscribers_.front().getTopic());
     queue_log_.log(queue_drops_,
                    subscribers_.empty() ? "features" : subscribers_.front().getTopic());
-    diagnostics_.set(stage_, queue_drops_, paused_, map_to_odom_.missingTransform());
+    const std::string problem = problemOfTransforms();
+    if (!problem.empty()) ROS_ERROR_STREAM_THROTTLE(kLogPeriodS, problem);
+    diagnostics_.set(stage_, queue_drops_, messages_, paused_, problem);
   }
   const std::optional<ram_slam::Tracking> change = stage_.takeTrackingChange();
   if (!change) return;
@@ -63,6 +66,11 @@ void FastSlamNode::publishLost() {
   tracking.certain_until = toTime(change->certain_until_ns);
   tracking.pose = toPoseMessage(change->map_from_base);
   tracking_.publish(tracking);
+}
+
+std::string FastSlamNode::problemOfTransforms() const {
+  const std::string conflict = authorities_.conflict(ros::WallTime::now().toSec());
+  return conflict.empty() ? map_to_odom_.missingTransform() : conflict;
 }
 
 void FastSlamNode::publishMap() {

@@ -22,8 +22,8 @@ template <typename Service>
 void KinematicsClient::call(ros::ServiceClient& client, const char* name, Service& service) const {
   if (!client.isValid()) client = node_.serviceClient<Service>(name, true);
   if (client.call(service)) return;
-  // Either a refusal or a broken connection; renewing it costs a millisecond.
-  client.shutdown();
+  // A refusal keeps its connection, which works without the master, too.
+  if (!client.isValid()) client.shutdown();
   throw std::out_of_range("service " + node_.resolveName(name) +
                           " is not there or does not cover the interval");
 }

@@ -7,7 +7,6 @@
 #include "ram_slam/ros/conversions.hpp"
 #include "ram_slam/ros/landmark_conversions.hpp"
 #include "ram_slam/ros/occupancy_conversions.hpp"
-#include "ram_slam/stages/clock_guard.hpp"
 
 #include "node_defaults.hpp"
 
@@ -30,24 +29,30 @@ LandmarkSmootherNode::LandmarkSmootherNode(ram_parameters::ParameterReader& read
 
 void LandmarkSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
   try {
-    ram_slam::FeatureList list = toFeatureList(message, parameters_.base_frame).list;
-    const std::int64_t newest_ns = !waiting_.empty() ? waiting_.back().stamp_ns
-                                   : !steps_.empty() ? steps_.back().list.stamp_ns
-                                                     : list.stamp_ns;
-    if (ram_slam::ClockGuard::isSetBack(newest_ns, list.stamp_ns)) {
-      ROS_WARN("The stamps of the features were set back: smoothing starts again");
-      steps_.clear();
-      waiting_.clear();
-      trajectory_.clear();
-      landmarks_.clear();
-    } else if (list.stamp_ns < newest_ns) {
-      throw std::invalid_argument("they are older than those before");
+    const ram_slam::FeatureList checked = toFeatureList(message, parameters_.base_frame).list;
+    auto passed = guard_.add(checked.stamp_ns, checked, drops_);
+    if (passed.is_set_back) restart();
+    for (ram_slam::FeatureList& list : passed.messages) {
+      const std::int64_t newest_ns = !waiting_.empty() ? waiting_.back().stamp_ns
+                                     : !steps_.empty() ? steps_.back().list.stamp_ns
+                                                       : list.stamp_ns;
+      if (list.stamp_ns < newest_ns)
+        throw std::invalid_argument("they are older than those before");
+      waiting_.push_back(std::move(list));
     }
-    waiting_.push_back(std::move(list));
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected features: " << error.what());
   }
+  drop_log_.log(drops_, subscribers_.front().getTopic());
   settle();
+}
+
+void LandmarkSmootherNode::restart() {
+  ROS_WARN("The stamps of the features were set back: smoothing starts again");
+  steps_.clear();
+  waiting_.clear();
+  trajectory_.clear();
+  landmarks_.clear();
 }
 
 void LandmarkSmootherNode::settle() {

@@ -12,8 +12,10 @@
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/smoothing/landmark_smoother.hpp"
+#include "ram_slam/stages/input_guard.hpp"
 
 #include "kinematics_client.hpp"
+#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
@@ -30,6 +32,8 @@ private:
   void onTrajectory(const nav_msgs::Path& message);
   void onLandmarks(const ram_slam_msgs::LandmarkMap& message);
   bool onSmooth(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  /// The clock was set back.
+  void restart();
   /// Moves lists whose motion the kinematics knows by now from `waiting_` to `steps_`.
   void settle();
   /// The steps within the trajectory.
@@ -37,6 +41,9 @@ private:
 
   ram_slam::LandmarkSmootherParameters parameters_;
   std::vector<ram_slam::FeatureStep> steps_;
+  ram_slam::InputGuard<ram_slam::FeatureList> guard_;
+  ram_slam::DropCounter drops_;
+  DropLog drop_log_;
   std::deque<ram_slam::FeatureList> waiting_;
   ram_slam::Trajectory trajectory_;
   std::vector<ram_slam::LandmarkEstimate> landmarks_;

@@ -16,7 +16,8 @@ LaserOdometryNode::LaserOdometryNode(ram_parameters::ParameterReader& reader)
         return {stage_.drops(),
                 {{"scans that contradict the wheels", static_cast<double>(stage_.slipCount())},
                  {"scans without odometry", static_cast<double>(stage_.withoutWheelsCount())},
-                 {"stamp offset [s]", 1e-9 * static_cast<double>(stage_.stampOffset_ns())}}};
+                 {"stamp offset [s]", 1e-9 * static_cast<double>(stage_.stampOffset_ns())}},
+                scans_.messages()};
       }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   publisher_ = node_.advertise<nav_msgs::Odometry>("laser_odom", kQueueSize);
@@ -30,15 +31,18 @@ LaserOdometryNode::LaserOdometryNode(ram_parameters::ParameterReader& reader)
                   << " by " << scan_subscriber_.getTopic() << " into " << publisher_.getTopic());
 }
 
-void LaserOdometryNode::onScan(const sensor_msgs::LaserScan& message) {
-  scans_.add(message, stage_.drops());
+void LaserOdometryNode::onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
+  scans_.add(event, stage_.drops());
   processWaiting();
 }
 
 void LaserOdometryNode::onOdometry(const nav_msgs::Odometry& message) {
   const std::int64_t stamp_ns = toNanoseconds(message.header.stamp);
   try {
-    stage_.addWheels({stamp_ns, toPose2(message.pose.pose)});
+    requireFrames(message, parameters_.odom_frame, parameters_.base_frame);
+    const ram_slam::StampedPose2 reading{stamp_ns, toPose2(message.pose.pose)};
+    for (const auto& passed : odometry_guard_.add(stamp_ns, reading, stage_.drops()).messages)
+      stage_.addWheels(passed);
   } catch (const std::exception& error) {
     stage_.drops().add(ram_slam::DropReason::kInvalidOdometry, stamp_ns, error.what());
   }

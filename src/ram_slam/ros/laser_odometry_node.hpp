@@ -23,7 +23,7 @@ public:
   explicit LaserOdometryNode(ram_parameters::ParameterReader& reader);
 
 private:
-  void onScan(const sensor_msgs::LaserScan& message);
+  void onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event);
   void onOdometry(const nav_msgs::Odometry& message);
   void processWaiting();
   void publish(const ram_slam::LaserOdometryEstimate& estimate);
@@ -36,6 +36,7 @@ private:
   tf2_ros::Buffer transforms_{ros::Duration(60.0)};
   tf2_ros::TransformListener listener_{transforms_};
   MountedScans scans_;
+  ram_slam::InputGuard<ram_slam::StampedPose2> odometry_guard_;
   DropLog drop_log_;
   ros::NodeHandle node_;
   ros::Publisher publisher_;

@@ -21,7 +21,8 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
         return {stage_.drops(),
                 {{"key scans", static_cast<double>(stage_.smoother().keyScans().size())},
                  {"loop closures", static_cast<double>(stage_.smoother().closures().size())},
-                 {"corrections published", correction_count_}}};
+                 {"corrections published", correction_count_}},
+                scans_.messages()};
       }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   publisher_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, kLatched);
@@ -40,15 +41,17 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
                                << scan_subscriber_.getTopic() << " into " << publisher_.getTopic());
 }
 
-void MapSmootherNode::onScan(const sensor_msgs::LaserScan& message) {
-  scans_.add(message, stage_.drops());
+void MapSmootherNode::onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
+  scans_.add(event, stage_.drops());
   processWaiting();
 }
 
 void MapSmootherNode::onOdometry(const nav_msgs::Odometry& message) {
   const std::int64_t stamp_ns = toNanoseconds(message.header.stamp);
   try {
-    stage_.addOdometry({stamp_ns, toPose2(message.pose.pose)});
+    const ram_slam::StampedPose2 reading{stamp_ns, toPose2(message.pose.pose)};
+    for (const auto& passed : odometry_guard_.add(stamp_ns, reading, stage_.drops()).messages)
+      stage_.addOdometry(passed);
   } catch (const std::exception& error) {
     stage_.drops().add(ram_slam::DropReason::kInvalidOdometry, stamp_ns, error.what());
   }

@@ -111,9 +111,21 @@ std::string MapToOdomPublisher::missingTransform() const {
 }
 
 void MapToOdomPublisher::publishIfDue() {
+  const std::int64_t clock_ns = toNanoseconds(ros::Time::now());
+  const auto passed = clock_guard_.add(clock_ns, clock_ns, clock_drops_);
+  if (passed.is_set_back) last_sent_ns_ = 0;
+  if (clock_drops_.total() > 0) {
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "The clock leapt and came back: "
+                                              << clock_drops_.newest().detail
+                                              << "; is there a second publisher of /clock?");
+    clock_drops_ = {};
+  }
+  if (!passed.messages.empty()) publish(passed.messages.back());
+}
+
+void MapToOdomPublisher::publish(std::int64_t now_ns) {
   if (!map_from_odom_) return;
-  const std::int64_t stamp_ns =
-      std::max(toNanoseconds(ros::Time::now()), last_data_ns_) + ahead_ns_;
+  const std::int64_t stamp_ns = std::max(now_ns, last_data_ns_) + ahead_ns_;
   const auto period_ns = static_cast<std::int64_t>(parameters_.period_s * 1e9);
   if (stamp_ns <= last_sent_ns_ || (!changed_ && stamp_ns < last_sent_ns_ + period_ns)) return;
   geometry_msgs::TransformStamped message;

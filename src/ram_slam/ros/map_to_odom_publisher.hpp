@@ -14,6 +14,7 @@
 
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/stages/fast_slam_node_parameters.hpp"
+#include "ram_slam/stages/input_guard.hpp"
 
 namespace ram_slam_ros {
 
@@ -47,6 +48,7 @@ private:
   };
   void run();
   void publishIfDue();
+  void publish(std::int64_t now_ns);
   void applyCorrection();
   bool isMissing() const;
   std::string missingText() const;
@@ -61,6 +63,9 @@ private:
   std::optional<ram_slam::Pose2> map_from_odom_;
   std::int64_t last_data_ns_ = 0;
   std::int64_t last_sent_ns_ = 0;
+  /// A single leap of the clock must not reach tf, which would refuse all that is older.
+  ram_slam::InputGuard<std::int64_t> clock_guard_;
+  ram_slam::DropCounter clock_drops_;
   bool changed_ = false;
   /// Since when corrections wait for the odometry in tf.
   std::optional<std::chrono::steady_clock::time_point> waiting_since_;

@@ -20,17 +20,27 @@ constexpr double kMaxWaitS = 1.0;  // a static transform arrives within millisec
 
 }  // namespace
 
-void MountedScans::add(const sensor_msgs::LaserScan& message, ram_slam::DropCounter& drops) {
+bool MountedScans::add(const ros::MessageEvent<const sensor_msgs::LaserScan>& event,
+                       ram_slam::DropCounter& drops) {
+  const sensor_msgs::LaserScan& message = *event.getMessage();
+  messages_.add(event.getPublisherName(), message.header.seq);
   const std::int64_t stamp_ns = toNanoseconds(message.header.stamp);
+  ram_slam::PassedMessages<Waiting> passed;
   try {
-    waiting_.push_back({toLaserScan(message), message.header.frame_id, ros::SteadyTime::now()});
+    passed = guard_.add(
+        stamp_ns, {toLaserScan(message), message.header.frame_id, ros::SteadyTime::now()}, drops);
   } catch (const std::exception& error) {
     drops.add(ram_slam::DropReason::kInvalidScan, stamp_ns, error.what());
-    return;
   }
-  if (waiting_.size() <= kQueueSize) return;
-  drops.add(ram_slam::DropReason::kQueueFull, waiting_.front().scan.stamp_ns, "scan");
-  waiting_.pop_front();
+  if (passed.is_set_back) waiting_.clear();
+  for (Waiting& scan : passed.messages) {
+    scan.since = ros::SteadyTime::now();
+    waiting_.push_back(std::move(scan));
+    if (waiting_.size() <= kQueueSize) continue;
+    drops.add(ram_slam::DropReason::kQueueFull, waiting_.front().scan.stamp_ns, "scan");
+    waiting_.pop_front();
+  }
+  return passed.is_set_back;
 }
 
 std::optional<ram_slam::MountedScan> MountedScans::next(ram_slam::DropCounter& drops) {

@@ -11,6 +11,8 @@
 #include <tf2_ros/buffer.h>
 
 #include "ram_slam/sensing/placed_scan.hpp"
+#include "ram_slam/stages/input_guard.hpp"
+#include "ram_slam/stages/loss_counter.hpp"
 #include "ram_slam/stages/scan_synchroniser.hpp"
 
 namespace ram_slam_ros {
@@ -23,11 +25,19 @@ public:
   MountedScans(std::string base_frame, const tf2_ros::Buffer& transforms)
       : base_frame_(std::move(base_frame)), transforms_(transforms) {}
 
-  void add(const sensor_msgs::LaserScan& message, ram_slam::DropCounter& drops);
+  /// \return whether the stamps show that the clock was set back; then what waited is dropped
+  bool add(const ros::MessageEvent<const sensor_msgs::LaserScan>& event,
+           ram_slam::DropCounter& drops);
   /// The next scan whose mount is known; nothing if it still waits. A scan that waited for a second
   /// of wall time is dropped.
   std::optional<ram_slam::MountedScan> next(ram_slam::DropCounter& drops);
-  void clear() { waiting_.clear(); }
+  void clear() {
+    waiting_.clear();
+    guard_ = {};
+  }
+
+  /// What came, and what was lost on its way.
+  const ram_slam::LossCounter& messages() const { return messages_; }
 
 private:
   struct Waiting {
@@ -38,6 +48,8 @@ private:
 
   std::string base_frame_;
   const tf2_ros::Buffer& transforms_;
+  ram_slam::InputGuard<Waiting> guard_;
+  ram_slam::LossCounter messages_;
   std::deque<Waiting> waiting_;
 };
 

@@ -20,7 +20,9 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
       scans_(parameters_.base_frame, transforms_),
       diagnostics_("mapping", [this]() -> StageDiagnostics::Report {
         const std::lock_guard lock(map_mutex_);
-        return {stage_.drops(), {{"scans in the map", static_cast<double>(stage_.scanCount())}}};
+        return {stage_.drops(),
+                {{"scans in the map", static_cast<double>(stage_.scanCount())}},
+                scans_.messages()};
       }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   map_publisher_ = node_.advertise<nav_msgs::OccupancyGrid>("map", 1, kLatched);
@@ -56,20 +58,15 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
                              << correction_subscriber_.getTopic());
 }
 
-void OccupancyMapperNode::onScan(const sensor_msgs::LaserScan& message) {
+void OccupancyMapperNode::onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
   {
     const std::lock_guard lock(map_mutex_);
     ++received_count_;
-    // tf ignores transforms of a clock that was set back until it is cleared.
-    const std::int64_t stamp_ns = toNanoseconds(message.header.stamp);
-    if (ram_slam::ClockGuard::isSetBack(newest_scan_ns_, stamp_ns)) {
-      ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic() << " were set back by "
-                                       << 1e-9 * static_cast<double>(newest_scan_ns_ - stamp_ns)
-                                       << " s: the map starts again");
+    if (scans_.add(event, stage_.drops())) {
+      ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic()
+                                       << " were set back: the map starts again");
       restart();
     }
-    newest_scan_ns_ = std::max(newest_scan_ns_, stamp_ns);
-    scans_.add(message, stage_.drops());
   }
   mapWaiting();
 }
@@ -170,10 +167,9 @@ void OccupancyMapperNode::onTracking(const ram_slam_msgs::Tracking& message) {
 
 void OccupancyMapperNode::restart() {
   stage_.reset();
-  scans_.clear();
   waiting_.clear();
+  // tf ignores transforms of a clock that was set back until it is cleared.
   transforms_.clear();
-  newest_scan_ns_ = 0;
 }
 
 ram_slam::GridChange OccupancyMapperNode::refreshGrid() {
@@ -275,6 +271,7 @@ bool OccupancyMapperNode::onSaveMap(ram_slam_msgs::SaveMap::Request& request,
 bool OccupancyMapperNode::onReset(std_srvs::Trigger::Request&,
                                   std_srvs::Trigger::Response& response) {
   const std::lock_guard lock(map_mutex_);
+  scans_.clear();
   restart();
   response.success = true;
   response.message = "the map starts again";

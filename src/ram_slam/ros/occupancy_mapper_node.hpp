@@ -40,7 +40,7 @@ public:
   explicit OccupancyMapperNode(ram_parameters::ParameterReader& reader);
 
 private:
-  void onScan(const sensor_msgs::LaserScan& message);
+  void onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event);
   void onTrajectory(const nav_msgs::Path& message);
   void onTracking(const ram_slam_msgs::Tracking& message);
   bool onGetDrawnMap(ram_slam_msgs::GetDrawnMap::Request& request,
@@ -86,7 +86,6 @@ private:
   ram_slam::MappingStage stage_;
   MountedScans scans_;
   std::deque<Waiting> waiting_;
-  std::int64_t newest_scan_ns_ = 0;
   std::atomic<std::int64_t> newest_mapped_ns_ = 0;
   int received_count_ = 0;  ///< since the last report of silence
   bool ever_mapped_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stage_diagnostics.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -9,6 +10,8 @@
 
 namespace ram_slam_ros {
 namespace {
+
+constexpr double kMuchShare = 0.2;  // a scan in five is missed by no stage
 
 std::string seconds(std::int64_t stamp_ns) {
   char text[32];
@@ -35,6 +38,24 @@ void addDrops(diagnostic_msgs::DiagnosticStatus& status, const ram_slam::DropCou
   }
 }
 
+void reportShare(diagnostic_msgs::DiagnosticStatus& status,
+                 double share,
+                 const ram_slam::LossCounter& messages,
+                 const ram_slam::DropCounter& drops) {
+  using diagnostic_msgs::DiagnosticStatus;
+  addValue(status, "messages received", std::to_string(messages.received()));
+  addValue(status, "messages lost before they arrived", std::to_string(messages.lost()));
+  if (share == 0.0) return;
+  const bool is_much = share > kMuchShare;
+  status.level = is_much ? DiagnosticStatus::ERROR : DiagnosticStatus::WARN;
+  status.message = std::to_string(static_cast<int>(std::ceil(100.0 * share))) +
+                   " % of the messages lost or dropped" +
+                   (drops.total() > 0 ? ", the newest: " + toText(drops.newest().reason) : "");
+  if (!is_much) return;
+  status.message += "; slow the sensors or the playback down, or the map suffers";
+  ROS_ERROR_STREAM_THROTTLE(kLogPeriodS, status.name << ": " << status.message);
+}
+
 void DropLog::log(const ram_slam::DropCounter& drops, const std::string& input) {
   if (drops.total() == logged_) return;
   const std::uint64_t count = drops.total() - logged_;
@@ -59,12 +80,10 @@ void StageDiagnostics::publish() {
   diagnostic_msgs::DiagnosticStatus status;
   status.name = ros::this_node::getName() + ": " + stage_;
   status.hardware_id = "none";
-  const bool is_dropping = report.drops.total() != reported_drops_;
-  status.level =
-      is_dropping ? diagnostic_msgs::DiagnosticStatus::WARN : diagnostic_msgs::DiagnosticStatus::OK;
-  status.message = is_dropping ? "messages dropped: " + toText(report.drops.newest().reason)
-                               : "no message dropped";
-  reported_drops_ = report.drops.total();
+  status.level = diagnostic_msgs::DiagnosticStatus::OK;
+  status.message = "no message dropped";
+  drop_share_.update(report.messages.received(), report.messages.lost(), report.drops.total());
+  reportShare(status, drop_share_.share(), report.messages, report.drops);
   for (const auto& [key, value] : report.values) addValue(status, key, std::to_string(value));
   addDrops(status, report.drops);
   diagnostic_msgs::DiagnosticArray message;

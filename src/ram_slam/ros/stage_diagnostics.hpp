@@ -11,12 +11,20 @@
 #include <ros/ros.h>
 
 #include "ram_slam/stages/drop_counter.hpp"
+#include "ram_slam/stages/loss_counter.hpp"
 
 namespace ram_slam_ros {
 
 /// Key of what was dropped for a reason, and its value: "3, first at 12.300 s, last at 14.100 s:
 /// detail".
 void addDrops(diagnostic_msgs::DiagnosticStatus& status, const ram_slam::DropCounter& drops);
+
+/// Sets level and message if a share of the messages was not used, and logs one line if it is more
+/// than a fifth.
+void reportShare(diagnostic_msgs::DiagnosticStatus& status,
+                 double share,
+                 const ram_slam::LossCounter& messages,
+                 const ram_slam::DropCounter& drops);
 
 /// One log line for each message that a stage drops, at most one per five seconds.
 class DropLog {
@@ -28,7 +36,8 @@ private:
   std::uint64_t logged_ = 0;
 };
 
-/// What a stage drops, by reason, once per second on /diagnostics: WARN while it drops something.
+/// What a stage drops, by reason, and what was lost before it arrived, once per second on
+/// /diagnostics: WARN while there is any, ERROR if it is more than a fifth of the messages.
 class StageDiagnostics {
 public:
   using Values = std::vector<std::pair<std::string, double>>;
@@ -36,6 +45,7 @@ public:
   struct Report {
     ram_slam::DropCounter drops;
     Values values;
+    ram_slam::LossCounter messages;
   };
 
   /// \param stage  name after the node's
@@ -46,7 +56,7 @@ private:
 
   std::string stage_;
   std::function<Report()> report_;
-  std::uint64_t reported_drops_ = 0;
+  ram_slam::DropShare drop_share_;
   ros::NodeHandle node_;
   ros::Publisher publisher_;
   ros::WallTimer timer_;

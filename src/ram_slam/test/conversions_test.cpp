@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include <Eigen/Geometry>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 namespace ram_slam_ros {
 namespace {
@@ -105,6 +105,29 @@ TEST(Conversions, BadFeaturesAreLeftOutAndCounted) {
   EXPECT_EQ(checked.rejected_count, 4);
 }
 
+TEST(Conversions, FeaturesAsFarOffAsStarsOrAsUncertainAreLeftOutAndCounted) {
+  ram_slam::FeatureList list;
+  list.stamp_ns = 42;
+  list.features = std::vector<ram_slam::Feature>(5, exampleFeature());
+  auto message = toFeatureListMessage(list, "base_link");
+  message.features[0].pose.pose.position.x = 1e160;
+  message.features[1].pose.pose.position.y = -5000.0;
+  message.features[2].pose.covariance[0] = message.features[2].pose.covariance[7] = 1e150;
+  message.features[3].pose.covariance[35] = 1e200;
+  const CheckedFeatures checked = toFeatureList(message, "base_link");
+  EXPECT_EQ(checked.list.features.size(), 1u);
+  EXPECT_EQ(checked.rejected_count, 4);
+}
+
+TEST(Conversions, APoseBeyondAllMapsOrOfMonstrousUncertaintyIsRefused) {
+  EXPECT_NO_THROW(toPose2(toPoseMessage({5e5, 6e6, 0.5})));  // of UTM
+  EXPECT_THROW(toPose2(toPoseMessage({1e300, 0.0, 0.0})), std::invalid_argument);
+  EXPECT_THROW(toPose2(toPoseMessage({0.0, -1e9, 0.0})), std::invalid_argument);
+  auto uncertain = toPoseWithCovarianceMessage({});
+  uncertain.covariance[0] = 1e150;
+  EXPECT_THROW(toPoseWithCovariance2(uncertain), std::invalid_argument);
+}
+
 TEST(Conversions, FeaturesBeyondTheMostThatAreTakenAreCounted) {  // fault F122
   ram_slam::FeatureList list;
   list.stamp_ns = 42;
@@ -159,6 +182,14 @@ TEST(Conversions, ScanThatIsOfNoUseIsRefused) {
   EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
   bad = good;
   bad.angle_increment = 0.0F;
+  EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
+  bad.ranges.resize(1);
+  for (const float increment_rad : {1e30F, -1e30F, 100.0F}) {
+    bad.angle_increment = increment_rad;
+    EXPECT_THROW(toLaserScan(bad), std::invalid_argument) << increment_rad;
+  }
+  bad.angle_increment = 0.01F;
+  bad.angle_min = 1e30F;
   EXPECT_THROW(toLaserScan(bad), std::invalid_argument);
   bad = good;
   bad.range_min = 20.0F;
@@ -241,6 +272,22 @@ TEST(Conversions, PosesThatAreNoPosesAreRefused) {
   uncertain.covariance[35] = 0.0;
   uncertain.covariance[14] = std::numeric_limits<double>::quiet_NaN();  // of z: not planar
   EXPECT_NO_THROW(toPoseWithCovariance2(uncertain));
+}
+
+TEST(Conversions, OdometryOfOtherFramesIsRefusedWithTheNamesOfAll) {
+  nav_msgs::Odometry odometry;
+  EXPECT_NO_THROW(requireFrames(odometry, "odom", "base_link")) << "without names";
+  odometry.header.frame_id = "odom";
+  odometry.child_frame_id = "base_link";
+  EXPECT_NO_THROW(requireFrames(odometry, "odom", "base_link"));
+  odometry.header.frame_id = "odom_combined";
+  EXPECT_THAT([&] { requireFrames(odometry, "odom", "base_link"); },
+              testing::ThrowsMessage<std::invalid_argument>(
+                  testing::AllOf(testing::HasSubstr("'base_link' in 'odom_combined', wanted "),
+                                 testing::HasSubstr("set odom_frame"))));
+  odometry.header.frame_id = "odom";
+  odometry.child_frame_id = "base_footprint";
+  EXPECT_THROW(requireFrames(odometry, "odom", "base_link"), std::invalid_argument);
 }
 
 TEST(Conversions, TheYawOfATiltedPoseIsThatOfItsAxisInThePlane) {

@@ -9,6 +9,7 @@ import tempfile
 import threading
 import time
 
+import rosnode
 import rospy
 import rostest
 from std_srvs.srv import Trigger
@@ -203,6 +204,19 @@ class FastSlamCheckpoint(PlayedRobot):
         self.drive(30)  # several attempts
         self.expect_right_pose()
         self.assertEqual(self.times_logged("No checkpoint can be written"), 1)
+
+    def test_after_rosnode_kill_it_goes_on_with_its_map(self):
+        self.run_again()
+        self.drive(60)
+        self.kept()
+        known = self.places()
+        self.assertEqual(rosnode.kill_nodes(["/fast_slam"])[0], ["/fast_slam"])
+        self.node.wait(TIMEOUT_S)
+        self.assertTrue(os.path.exists(self.file))
+        self.run_node()
+        self.drive(15)
+        self.expect_right_pose()
+        self.assertTrue(known.keys() <= self.places().keys())
 
     def test_after_a_reset_or_an_orderly_end_there_is_nothing_to_go_on_from(self):
         self.run_again()

@@ -8,7 +8,7 @@ import rospy
 import rostest
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped
 from nav_msgs.msg import Path
 from rosgraph_msgs.msg import Log
 from std_srvs.srv import Empty, SetBool, Trigger
@@ -40,6 +40,11 @@ class FastSlamNode(PlayedRobot):
         rospy.wait_for_service("fast_slam/reset", TIMEOUT_S)
         self.assertTrue(rospy.ServiceProxy("fast_slam/reset", Trigger)().success)
         self.begin()
+
+    def localisation(self):
+        """Its newest diagnostics."""
+        return [status for message in list(self.diagnostics.messages) for status in message.status
+                if status.name.endswith("localisation")][-1]
 
     # The first one by name: its stamps must be those of the wall clock.
     def test_a_consumer_of_tf_sees_no_error_while_the_filter_stands_still(self):
@@ -173,10 +178,43 @@ class FastSlamNode(PlayedRobot):
         type(self).now -= 5.0
         type(self).start = self.now + PERIOD_S
         type(self).odometry_from = self.now - 1.0
-        stamp = self.step()
-        # The stamp was answered before the jump, too: a new answer must come, from the origin.
+        count = len(self.pose.messages)
+        for _ in range(12):  # a second of the new clock shows that it is one
+            stamp = self.step()
+        # The stamps were answered before the jump, too: new answers must come, from the origin.
         self.assertTrue(wait_until(lambda: abs(self.pose.messages[-1].header.stamp.to_sec() - stamp) < 1e-6))
-        self.assertAlmostEqual(self.pose.messages[-1].pose.pose.position.x, 0.0, delta=0.02)
+        self.assertEqual(len(self.pose.messages), count + 12)
+        self.assertAlmostEqual(self.pose.messages[count].pose.pose.position.x, 0.0, delta=0.02)
+
+    def test_one_list_of_another_clock_changes_nothing(self):
+        self.drive(20)
+        for error_s in (-5.0, 1e6):
+            before = self.now
+            message = self.list_at(before)
+            message.header.stamp = rospy.Time.from_sec(before + error_s)
+            self.features.publish(message)
+            self.drive(3)
+            self.assertAlmostEqual(self.pose.messages[-1].pose.pose.position.x, self.x(), delta=0.05)
+        self.assertTrue(wait_until(lambda: any(
+            "stamp of another clock" in value.key for value in self.localisation().values)))
+
+    def test_a_second_node_that_publishes_map_to_odom_is_reported_with_its_name(self):
+        self.drive(3)
+        transform = TransformStamped()
+        transform.header.frame_id = "map"
+        transform.child_frame_id = "odom"
+        transform.transform.rotation.w = 1.0
+
+        def is_reported():
+            transform.header.stamp = rospy.Time.from_sec(self.now - 1.0)
+            self.broadcaster.sendTransform(transform)
+            self.drive(1)
+            status = self.localisation()
+            return status.level == 2 and "two nodes publish the transform to odom" in status.message
+
+        self.assertTrue(wait_until(is_reported))
+        self.assertIn(rospy.get_name(), self.localisation().message)
+        self.assertTrue(any("two nodes publish" in log.msg for log in self.logs.messages))
 
     def test_initial_pose_is_taken_over_or_rejected(self):  # F132
         self.drive(3)

@@ -81,13 +81,24 @@ SlamPipeline::SlamPipeline(const SlamParameters& parameters)
       mapping_(parameters.occupancy_mapper) {}
 
 void SlamPipeline::add(const ram_slam::StampedPose2& odometry) {
+  const auto passed = wheels_guard_.add(odometry.stamp_ns, odometry, odometry_.drops());
+  for (const ram_slam::StampedPose2& reading : passed.messages) use(reading);
+}
+
+void SlamPipeline::add(ram_slam::MountedScan scan) {
+  const std::int64_t stamp_ns = scan.scan.stamp_ns;
+  auto passed = scan_guard_.add(stamp_ns, std::move(scan), odometry_.drops());
+  for (ram_slam::MountedScan& usable : passed.messages) use(std::move(usable));
+}
+
+void SlamPipeline::use(const ram_slam::StampedPose2& odometry) {
   if (!odometry_.addWheels(odometry)) return;
   report_.addWheels(odometry);
   if (!parameters_.use_laser_odometry) feedKinematics(odometry);
   drain();
 }
 
-void SlamPipeline::add(ram_slam::MountedScan scan) {
+void SlamPipeline::use(ram_slam::MountedScan scan) {
   if (smooths()) smoothing_.add(scan);
   odometry_.add(std::move(scan));
   drain();
@@ -152,6 +163,8 @@ void SlamPipeline::updateEstimator(const ram_slam::MountedScan& scan,
 }
 
 Results SlamPipeline::finish() {
+  for (const auto& reading : wheels_guard_.finish(odometry_.drops()).messages) use(reading);
+  for (auto& scan : scan_guard_.finish(odometry_.drops()).messages) use(std::move(scan));
   odometry_.finish();
   drain();
   if (online_.empty()) {

@@ -85,16 +85,27 @@ void KinematicsNode::onOdometry(const nav_msgs::Odometry& message) {
                                   parameters_.node.base_frame + "' in '" +
                                   parameters_.node.odom_frame + "'");
     }
-    const Added outcome = kinematics_.add(toOdometrySample(message));
-    ++samples_by_outcome_[static_cast<std::size_t>(outcome)];
-    newest_arrival_ = ros::WallTime::now();
-    if (outcome == Added::kDiscontinuity || outcome == Added::kClockSetBack) {
-      ROS_WARN_STREAM("Odometry at " << message.header.stamp << ": "
-                                     << kOutcomeNames[static_cast<std::size_t>(outcome)]);
-    }
+    const auto sample = toOdometrySample(message);
+    const std::uint64_t drops_before = drops_.total();
+    for (const auto& passed : guard_.add(sample.stamp_ns, sample, drops_).messages) use(passed);
+    if (drops_.total() == drops_before) return;
+    samples_rejected_ += drops_.total() - drops_before;
+    ROS_WARN_STREAM_THROTTLE(
+        parameters_.node.log_period_s,
+        "Rejected odometry: " << toText(drops_.newest().reason) << ", " << drops_.newest().detail);
   } catch (const std::exception& error) {
     ++samples_rejected_;
     ROS_WARN_STREAM_THROTTLE(parameters_.node.log_period_s, "Rejected odometry: " << error.what());
+  }
+}
+
+void KinematicsNode::use(const ramscout_kinematics::OdometrySample& sample) {
+  const Added outcome = kinematics_.add(sample);
+  ++samples_by_outcome_[static_cast<std::size_t>(outcome)];
+  newest_arrival_ = ros::WallTime::now();
+  if (outcome == Added::kDiscontinuity || outcome == Added::kClockSetBack) {
+    ROS_WARN_STREAM("Odometry at " << ram_slam_ros::toTime(sample.stamp_ns) << ": "
+                                   << kOutcomeNames[static_cast<std::size_t>(outcome)]);
   }
 }
 

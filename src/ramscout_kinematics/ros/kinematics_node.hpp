@@ -14,6 +14,7 @@
 #include <ros/ros.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/stages/input_guard.hpp"
 #include "ramscout_kinematics/kinematics.hpp"
 
 namespace ramscout_kinematics_ros {
@@ -28,6 +29,7 @@ public:
 
 private:
   void onOdometry(const nav_msgs::Odometry& message);
+  void use(const ramscout_kinematics::OdometrySample& sample);
   bool onPredict(ram_slam_msgs::PredictState::Request& request,
                  ram_slam_msgs::PredictState::Response& response);
   bool onPredictWithCovariance(ram_slam_msgs::PredictStateWithCovariance::Request& request,
@@ -46,6 +48,8 @@ private:
 
   // Touched by the main thread only; indexed by ramscout_kinematics::Added.
   std::array<std::uint64_t, 7> samples_by_outcome_{};
+  ram_slam::InputGuard<ramscout_kinematics::OdometrySample> guard_;
+  ram_slam::DropCounter drops_;
   std::uint64_t samples_rejected_ = 0;
   std::uint64_t samples_received_ = 0;
   std::uint64_t diagnosed_received_ = 0;

@@ -46,11 +46,12 @@ Pose2 poseBetween(const StampedPose2& before, const StampedPose2& after, std::in
 
 void validate(const Trajectory& trajectory) {
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    if (trajectory[i].pose.isFinite() &&
+    if (trajectory[i].pose.isUsable() &&
         (i == 0 || trajectory[i].stamp_ns > trajectory[i - 1].stamp_ns))
       continue;
     throw std::invalid_argument(
-        "trajectory has a pose that is not finite or not later than the one before it, at " +
+        "trajectory has a pose that is not finite, farther off than 10,000 km, or not later than "
+        "the one before it, at " +
         std::to_string(trajectory[i].stamp_ns) + " ns");
   }
 }

@@ -26,7 +26,9 @@ void LaserScan::validate() const {
                                 std::to_string(kMaxBeams) + " are taken");
   }
   if (!std::isfinite(angle_min_rad) || !std::isfinite(angle_increment_rad) ||
-      std::abs(angle_increment_rad) < kMinIncrementRad) {
+      std::abs(angle_min_rad) > 2.0 * kMaxAngleRad ||
+      std::abs(angle_increment_rad) < kMinIncrementRad ||
+      std::abs(angle_increment_rad) > kMaxAngleRad) {
     throw std::invalid_argument("scan with angle_min " + std::to_string(angle_min_rad) +
                                 " and angle_increment " + std::to_string(angle_increment_rad));
   }

@@ -7,6 +7,8 @@ std::string toText(DropReason reason) {
   switch (reason) {
     case DropReason::kNotLater:
       return "stamp not later than the one before";
+    case DropReason::kOtherClock:
+      return "stamp of another clock than the others";
     case DropReason::kInvalidScan:
       return "unusable scan";
     case DropReason::kInvalidOdometry:

@@ -26,6 +26,9 @@ const ram_parameters::ParameterTable<EstimatorStageParameters>& EstimatorStagePa
           .add("longest_pause_s", &P::longest_pause_s, "s", positive(),
                "or so much time since the one before.")
           .expert("Motion while the odometry is interrupted")
+          .add("lost_after_s", &P::lost_after_s, "s", positive(),
+               "A robot whose motion nobody knows for so long is lost: it is searched for in its "
+               "map, which stays as it is meanwhile.")
           .section("gap_bridge", &P::gap_bridge, GapBridgeParameters::table());
   return table;
 }
@@ -77,6 +80,9 @@ void EstimatorStage::bridgeGap(std::int64_t stamp_ns, const std::optional<Pose2>
   drops_.add(DropReason::kNoMotion, stamp_ns, missing_motion_);
   motion_.interruptedUntil(stamp_ns, moved);
   bridges_ = true;
+  const double gap_s = 1e-9 * static_cast<double>(stamp_ns - estimator_->stamp_ns());
+  if (estimator_->started() && !moved && gap_s > parameters_.lost_after_s && !estimator_->isLost())
+    estimator_->forgetPose();
 }
 
 bool EstimatorStage::isDue(const MotionStep& step) const {

@@ -16,8 +16,14 @@ const ram_parameters::ParameterTable<Frames>& Frames::table() {
           .add("map_frame", &Frames::map, "Frame of the pose and the map.")
           .add("odom_frame", &Frames::odom,
                "Parent of the base in tf: map_frame -> odom_frame is published.")
+          .rule(&Frames::odom, "another frame than map_frame",
+                [](const Frames& frames) { return frames.odom != frames.map; })
           .add("base_frame", &Frames::base,
-               "The robot's base; features must be given in this frame.");
+               "The robot's base; features must be given in this frame.")
+          .rule(&Frames::base, "another frame than map_frame and odom_frame",
+                [](const Frames& frames) {
+                  return frames.base != frames.odom && frames.base != frames.map;
+                });
   return table;
 }
 
@@ -93,7 +99,8 @@ const ram_parameters::ParameterTable<FastSlamNodeParameters>& FastSlamNodeParame
           .add("checkpoint_file", &P::checkpoint_file,
                "File from which the node continues after it was killed: its map, its path, and the "
                "robot about where it was. It takes precedence over initial_map, and is removed "
-               "when the node is reset or ends in order. A relative path begins in the node's "
+               "when the node is reset or the launch ends (Ctrl-C). A relative path begins in the "
+               "node's "
                "working directory, ~/.ros under roslaunch; empty: none. (docs/fast_slam.md)")
           .add("checkpoint_period", &P::checkpoint_period, "s", aboveUpTo(0.0, 3600.0),
                "Least time between two checkpoints.")

@@ -27,8 +27,9 @@ void ScanSynchroniser::add(MountedScan scan) {
 }
 
 bool ScanSynchroniser::add(const StampedPose2& odom_from_base) {
-  if (!odom_from_base.pose.isFinite()) {
-    drops_.add(DropReason::kInvalidOdometry, odom_from_base.stamp_ns, "a pose that is not finite");
+  if (!odom_from_base.pose.isUsable()) {
+    drops_.add(DropReason::kInvalidOdometry, odom_from_base.stamp_ns,
+               "a pose that is not finite or farther off than 10,000 km");
     return false;
   }
   switch (odometry_clock_.check(odom_from_base.stamp_ns)) {

@@ -30,10 +30,12 @@ TEST(Trajectory, HasNoPoseOutsideItsStamps) {
   EXPECT_FALSE(poseAt({}, 100));
 }
 
-TEST(Trajectory, IsRefusedIfStampsDoNotRiseOrPosesAreNotFinite) {
+TEST(Trajectory, IsRefusedIfStampsDoNotRiseOrPosesAreNotFiniteOrFarOff) {
   EXPECT_NO_THROW(validate({{1, {}}, {2, {}}}));
   EXPECT_THROW(validate({{1, {}}, {1, {}}}), std::invalid_argument);
   EXPECT_THROW(validate({{1, {0.0, std::nan(""), 0.0}}}), std::invalid_argument);
+  EXPECT_NO_THROW(validate({{1, {kFarthest_m, -kFarthest_m, 0.0}}}));
+  EXPECT_THROW(validate({{1, {1e9, 0.0, 0.0}}}), std::invalid_argument);
 }
 
 TEST(OdometryAt, IsBetweenReadingsButNotWithinAJump) {

@@ -197,6 +197,17 @@ TEST_F(EstimatorStageTest, AGapWithoutAnyOtherSourceCountsAsStandingStill) {
               std::pow(std::min(drift_m, GapBridgeParameters{}.maximum_drift_m), 2), 1e-9);
 }
 
+TEST_F(EstimatorStageTest, ARobotWhoseMotionNobodyKnowsForTenSecondsIsLost) {
+  read(kSecond);
+  model_.known_from_ns = 100 * kSecond;
+  for (std::int64_t s = 2; s <= 11; ++s) read(s * kSecond);
+  EXPECT_FALSE(stage_->estimator().isLost());
+  stage_->bridgeGap(12 * kSecond, Pose2{1.0, 0.0, 0.0});
+  EXPECT_FALSE(stage_->estimator().isLost()) << "its wheels are known from elsewhere";
+  read(12 * kSecond);
+  EXPECT_TRUE(stage_->estimator().isLost());
+}
+
 TEST_F(EstimatorStageTest, AReadingAfterAGapIsTakenInHoweverLittleTheRobotMoved) {
   EstimatorStageParameters parameters;
   parameters.minimum_distance_m = 1000.0;

@@ -46,6 +46,10 @@ TEST(FastSlamNodeParameters, NameTheSectionOfWhatIsRefused) {
               testing::HasSubstr("node/output_period must be"));
   EXPECT_THAT(refusalOf("{node: {checkpoint_period: 0.0}}"),
               testing::HasSubstr("node/checkpoint_period must be"));
+  EXPECT_THAT(refusalOf("{node: {odom_frame: map}}"),
+              testing::HasSubstr("node/odom_frame must be another frame than map_frame"));
+  EXPECT_THAT(refusalOf("{node: {base_frame: odom}}"),
+              testing::HasSubstr("node/base_frame must be another frame"));
   EXPECT_THAT(refusalOf("{node: {map_fram: map}}"), testing::HasSubstr("map_frame"));
 }
 

@@ -11,6 +11,7 @@
 #include "ram_slam/scan_matching/laser_odometry.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
 #include "ram_slam/stages/estimator_stage.hpp"
+#include "ram_slam/stages/input_guard.hpp"
 #include "ram_slam/stages/mapping_stage.hpp"
 #include "ram_slam/stages/odometry_stage.hpp"
 #include "ram_slam/stages/smoothing_stage.hpp"
@@ -74,6 +75,8 @@ public:
   Results finish();
 
 private:
+  void use(const ram_slam::StampedPose2& odometry);
+  void use(ram_slam::MountedScan scan);
   void drain();
   void process(const ram_slam::OdometryStep& step);
   void feedKinematics(const ram_slam::StampedPose2& odom_from_base);
@@ -83,6 +86,8 @@ private:
   void smoothFinally(Results& results);
 
   SlamParameters parameters_;
+  ram_slam::InputGuard<ram_slam::StampedPose2> wheels_guard_;
+  ram_slam::InputGuard<ram_slam::MountedScan> scan_guard_;
   ram_slam::OdometryStage odometry_;
   ramscout_feature_detector::FeatureDetector feature_detector_;
   ramscout_kinematics::Kinematics kinematics_;

@@ -12,6 +12,10 @@ namespace ram_slam {
 /// The same angle in (-pi, pi].
 double wrapAngle(double angle_rad);
 
+/// No coordinate of a map or an odometry is greater: the size of a zone of UTM, or of a country.
+/// What claims to be farther off is damaged, and would only spoil what is computed from it.
+constexpr double kFarthest_m = 1e7;
+
 /// A pose in the plane, or equally the transform from one planar frame to another: SE(2).
 ///
 /// Named `target_from_source`, so that `map_from_base * base_from_laser * point_in_laser` reads
@@ -26,6 +30,10 @@ struct Pose2 {
   Pose2 inverse() const;
   bool isFinite() const {
     return std::isfinite(x_m) && std::isfinite(y_m) && std::isfinite(yaw_rad);
+  }
+  /// Finite, and not farther off than kFarthest_m on any axis.
+  bool isUsable() const {
+    return isFinite() && std::abs(x_m) <= kFarthest_m && std::abs(y_m) <= kFarthest_m;
   }
 };
 

@@ -12,6 +12,7 @@ namespace ram_slam {
 /// /diagnostics both count by it.
 enum class DropReason {
   kNotLater,           ///< its stamp is not later than that of the one before
+  kOtherClock,         ///< its stamp is far from those before and after it
   kInvalidScan,        ///< geometry, stamp or mount of a scan is unusable
   kInvalidOdometry,    ///< a pose or stamp of odometry is unusable, or it jumped
   kInvalidFeatures,    ///< a feature list is unusable

@@ -19,6 +19,7 @@ struct EstimatorStageParameters {
   double minimum_distance_m = 0.0;
   double minimum_angle_rad = 0.0;
   double longest_pause_s = 10.0;
+  double lost_after_s = 10.0;  ///< without any motion
   GapBridgeParameters gap_bridge;
 
   static const ram_parameters::ParameterTable<EstimatorStageParameters>& table();
@@ -45,7 +46,8 @@ public:
   /// Why motionUntil() gave nothing.
   const std::string& missingMotion() const { return missing_motion_; }
   /// The motion up to this stamp will not become known: the reading is dropped, and the next one
-  /// continues from here. \param moved  since the estimator's last reading, if known otherwise
+  /// continues from here; after lost_after_s without any motion the robot is lost. \param moved
+  /// since the estimator's last reading, if known otherwise
   void bridgeGap(std::int64_t stamp_ns, const std::optional<Pose2>& moved = std::nullopt);
 
   /// Whether the estimator shall take in the reading at the end of this step.

@@ -6,6 +6,7 @@
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/PoseWithCovariance.h>
 #include <geometry_msgs/Transform.h>
+#include <nav_msgs/Odometry.h>
 #include <ram_slam_msgs/FeatureList.h>
 #include <ram_slam_msgs/Tracking.h>
 #include <ros/time.h>
@@ -41,6 +42,12 @@ geometry_msgs::PoseWithCovariance toPoseWithCovarianceMessage(
 
 /// \throws std::invalid_argument if it is in another frame than the map's, or as toPose2()
 ram_slam::Tracking toTracking(const ram_slam_msgs::Tracking& message, const std::string& map_frame);
+
+/// Whether odometry is that of these frames; a frame without a name is any.
+/// \throws std::invalid_argument that names all four and what to set
+void requireFrames(const nav_msgs::Odometry& message,
+                   const std::string& odom_frame,
+                   const std::string& base_frame);
 
 /// Time that a scan's beams take by its time_increment [s].
 double sweep_s(const sensor_msgs::LaserScan& message);
