@@ -113,20 +113,6 @@ bool isRunning(const std::string& process) {
   return ::kill(id, 0) == 0 || errno == EPERM;
 }
 
-/// Removes what writers into this folder left behind when they were killed.
-void removeLeftOver(const std::string& folder) {
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    const std::size_t mark = name.rfind(kTemporaryMark);
-    if (mark == std::string::npos) continue;
-    const std::string process = name.substr(mark + std::string(kTemporaryMark).size());
-    const bool is_number = !process.empty() && process.size() < 10 &&
-                           process.find_first_not_of("0123456789") == std::string::npos;
-    if (is_number && !isRunning(process)) ::unlink(entry.path().c_str());
-  }
-}
-
 /// Devices and pipes, such as /dev/stdout, are written to: a file in their place would break the
 /// system.
 bool isNoFile(const std::string& path) {
@@ -138,6 +124,19 @@ bool isNoFile(const std::string& path) {
 }
 
 }  // namespace
+
+void removeLeftOver(const std::string& folder) {
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    const std::string name = entry.path().filename().string();
+    const std::size_t mark = name.rfind(kTemporaryMark);
+    if (mark == std::string::npos) continue;
+    const std::string process = name.substr(mark + std::string(kTemporaryMark).size());
+    const bool is_number = !process.empty() && process.size() < 10 &&
+                           process.find_first_not_of("0123456789") == std::string::npos;
+    if (is_number && !isRunning(process)) std::filesystem::remove_all(entry.path(), none);
+  }
+}
 
 void writeFileAtomically(const std::string& path, const std::string& content) {
   checkFileSizeLimit(content.size(), path);

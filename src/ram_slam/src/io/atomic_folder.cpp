@@ -71,12 +71,13 @@ void exchange(const std::string& fresh, const std::string& path) {
 void writeFolderAtomically(const std::string& path,
                            const std::map<std::string, std::string>& files) {
   const std::string fresh = path + ".writing-" + std::to_string(::getpid());
+  const std::string parent = std::filesystem::path(path).parent_path().string();
+  removeLeftOver(parent.empty() ? "." : parent);
   std::filesystem::remove_all(fresh);  // of an earlier process with this id that was killed
   const FolderRemovedAtEnd cleanup(fresh);
   std::filesystem::create_directories(fresh);
   for (const auto& [name, content] : files) writeFileAtomically(fresh + "/" + name, content);
   exchange(fresh, path);
-  const std::string parent = std::filesystem::path(path).parent_path().string();
   syncFolder(parent.empty() ? "." : parent);
 }
 

@@ -175,6 +175,8 @@ TEST_F(AtomicFile, WhatAWriterThatIsNoMoreLeftBehindIsRemovedByTheNextSave) {
   std::ofstream(path("other.writing-" + std::to_string(gone))) << "half";
   std::ofstream(path("other.writing-" + std::to_string(::getppid()))) << "in work";
   std::ofstream(path("other.writing-notes")) << "a user's";
+  std::filesystem::create_directory(path("map.writing-" + std::to_string(gone)));
+  std::ofstream(path("map.writing-" + std::to_string(gone)) + "/image") << "half";
   writeFileAtomically(path("file"), "new");
   EXPECT_EQ(fileCount(), 3);
   EXPECT_FALSE(std::filesystem::exists(path("other.writing-" + std::to_string(gone))));

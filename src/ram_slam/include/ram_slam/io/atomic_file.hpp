@@ -14,6 +14,9 @@ namespace ram_slam {
 /// system's reason (disk full, no permission, no such folder ...)
 void writeFileAtomically(const std::string& path, const std::string& content);
 
+/// Removes files and folders that writers into this folder left behind when they were killed.
+void removeLeftOver(const std::string& folder);
+
 /// No file of a map is larger: 2 GiB, so that a wrong path does not fill the memory.
 constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31;
 
