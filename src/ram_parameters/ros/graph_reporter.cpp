@@ -16,13 +16,12 @@ constexpr int kChecksPerPeriod = 20;  // whether to stop
 
 ram_parameters::GraphSight look() {
   ram_parameters::GraphSight sight;
-  sight.master_answers = ros::master::check();
   XmlRpc::XmlRpcValue request;
   request[0] = request[1] = ros::this_node::getName();
   XmlRpc::XmlRpcValue response;
   XmlRpc::XmlRpcValue payload;
-  sight.is_registered =
-      sight.master_answers && ros::master::execute("lookupNode", request, response, payload, false);
+  sight.is_registered = ros::master::execute("lookupNode", request, response, payload, false);
+  sight.master_answers = sight.is_registered || ros::master::check();
   sight.waits_for_clock = ros::Time::isSimTime() && ros::Time::now().isZero();
   return sight;
 }

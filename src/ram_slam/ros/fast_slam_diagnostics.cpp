@@ -68,8 +68,9 @@ DiagnosticStatus FastSlamDiagnostics::status() {
   status.level = DiagnosticStatus::OK;
   status.message = state_;
   drop_share_.update(messages_.received(), messages_.lost(), drops_.total() + queue_drops_.total());
-  reportShare(status, drop_share_.share(), messages_,
-              queue_drops_.total() > 0 ? queue_drops_ : drops_);
+  if (!paused_)
+    reportShare(status, drop_share_.share(), messages_,
+                queue_drops_.total() > 0 ? queue_drops_ : drops_);
   if (is_lost_) {
     status.level = DiagnosticStatus::ERROR;
     status.message = "lost: " + state_;

@@ -52,7 +52,9 @@ void reportShare(diagnostic_msgs::DiagnosticStatus& status,
                    " % of the messages lost or dropped" +
                    (drops.total() > 0 ? ", the newest: " + toText(drops.newest().reason) : "");
   if (!is_much) return;
-  status.message += "; slow the sensors or the playback down, or the map suffers";
+  const bool is_overrun =
+      drops.total() == 0 || drops.newest().reason == ram_slam::DropReason::kQueueFull;
+  if (is_overrun) status.message += "; slow the sensors or the playback down, or the map suffers";
   ROS_ERROR_STREAM_THROTTLE(kLogPeriodS, status.name << ": " << status.message);
 }
 
