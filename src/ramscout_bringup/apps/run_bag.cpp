@@ -89,11 +89,11 @@ ramscout_bringup::Results map(ramscout_bringup::Recording& recording, const Opti
 
 /// \return whether the map stands on at least half of the scans
 bool run(const Options& options) {
+  const auto recording = ramscout_bringup_ros::openRecording(options.input, options.recording);
   // Before the work, not after it.
   std::filesystem::create_directories(options.output);
   if (::access(options.output.c_str(), W_OK | X_OK) != 0)
     throw std::system_error(errno, std::generic_category(), "writing to " + options.output);
-  const auto recording = ramscout_bringup_ros::openRecording(options.input, options.recording);
   const ramscout_bringup::Results results = map(*recording, options);
   malloc_trim(0);  // gives back what the mapping took, before the picture takes as much again
   ramscout_bringup::writeResults(results, options.output);

@@ -34,16 +34,17 @@ std::size_t endOfTag(const std::string& text, std::size_t begin) {
 int depthOfXml(const std::string& text) {
   int depth = 0;
   int deepest = 0;
-  for (std::size_t begin = text.find('<'); begin + 1 < text.size() && deepest <= kDeepestXml;) {
+  for (std::size_t begin = text.find('<'); begin < text.size() && deepest <= kDeepestXml;
+       begin = text.find('<', begin + 1)) {
     const std::size_t end = endOfTag(text, begin);
+    if (end >= text.size()) return std::max(deepest, depth + 1);  // not closed
     const char kind = text[begin + 1];
     if (kind == '/') {
       --depth;
-    } else if (kind != '?' && kind != '!' && !(end < text.size() && text[end - 1] == '/')) {
+    } else if (kind != '?' && kind != '!' && text[end - 1] != '/') {
       deepest = std::max(deepest, ++depth);
     }
-    if (end >= text.size()) break;
-    begin = text.find('<', end);
+    begin = end;
   }
   return deepest;
 }

@@ -24,7 +24,7 @@ TEST(XmlDepth, CountsElementsWithinElements) {
   EXPECT_EQ(depthOfXml("<?xml version=\"1.0\"?><a><b/><c x=\"a>b\"/></a>"), 1);
   EXPECT_EQ(depthOfXml("<a><!-- <b><c> --><d>text</d><d/></a>"), 2);
   EXPECT_EQ(depthOfXml(nested(7, true)), 7);
-  EXPECT_EQ(depthOfXml("<"), 0);
+  EXPECT_EQ(depthOfXml("<"), 1);
   EXPECT_EQ(depthOfXml("<a"), 1);
 }
 
