@@ -22,8 +22,9 @@ template <typename Service>
 void KinematicsClient::call(ros::ServiceClient& client, const char* name, Service& service) const {
   if (!client.isValid()) client = node_.serviceClient<Service>(name, true);
   if (client.call(service)) return;
-  // A refusal keeps its connection, which works without the master, too.
-  if (!client.isValid()) client.shutdown();
+  // Either a refusal or a broken connection; renewing it costs a millisecond. Without the master it
+  // could not be renewed, and is kept.
+  if (!client.isValid() || ros::master::check()) client.shutdown();
   throw std::out_of_range("service " + node_.resolveName(name) +
                           " is not there or does not cover the interval");
 }
