@@ -23,8 +23,8 @@ struct Transform {
   float cosine, sine, shift_x, shift_y;
 };
 
-/// Points of the source that lie on lines, turned into the target's axes and looked up, a block at
-/// a time: column by column, so that the compiler works on several at once.
+/// Points of the source, turned into the target's axes and looked up, a block at a time: column by
+/// column, so that the compiler works on several at once.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): place() fills what is used
 struct Block {
   std::size_t count = 0;
@@ -37,7 +37,7 @@ struct Block {
   std::size_t take(const SurfaceScan& scan, std::size_t next, std::size_t stride) {
     count = 0;
     for (; next < scan.points.size() && count < kBlock; next += stride) {
-      if (scan.points[next].hasNormal()) source[count++] = scan.points[next];
+      source[count++] = scan.points[next];
     }
     return next;
   }
@@ -142,20 +142,20 @@ PointToLineSum sumPointToLine(const SurfaceScan& target,
     block.place(transform, finder, reach, max_search_beams);
     for (std::size_t i = 0; i < block.count; ++i) {
       if (block.beam[i] < 0) continue;
-      ++sum.visible_count;
+      const SurfacePoint& point = block.source[i];
+      if (point.hasNormal()) ++sum.visible_count;
       const SurfacePoint* partner = nearest(target, block, i, max_distance_m);
       if (partner == nullptr || !partner->hasNormal()) continue;
       const float nx = partner->normal_x;
       const float ny = partner->normal_y;
-      const SurfacePoint& point = block.source[i];
       const float normal_x = transform.cosine * point.normal_x - transform.sine * point.normal_y;
       const float normal_y = transform.sine * point.normal_x + transform.cosine * point.normal_y;
-      if (nx * normal_x + ny * normal_y < min_cosine) continue;
+      if (point.hasNormal() && nx * normal_x + ny * normal_y < min_cosine) continue;
       const float residual =
           nx * (block.x_m[i] - partner->x_m) + ny * (block.y_m[i] - partner->y_m);
       const float lever = ny * block.rotated_x[i] - nx * block.rotated_y[i];
       sums.add(nx, ny, lever, residual, 1.0F / (1.0F + residual * residual * inverse_scale2));
-      ++sum.pair_count;
+      if (point.hasNormal()) ++sum.pair_count;
     }
   }
   sum.information << sums.xx, sums.xy, sums.xa, sums.xy, sums.yy, sums.ya, sums.xa, sums.ya,

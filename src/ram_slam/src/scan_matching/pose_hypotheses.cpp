@@ -107,12 +107,11 @@ double PoseHypotheses::logPrior(const Pose2& map_from_laser) const {
 
 PoseHypotheses::Hypothesis PoseHypotheses::weighed(const ScanMatch& match, bool searched) const {
   const double by_scan =
-      poseLogLikelihood(surfaces_, references_, match.map_from_laser,
-                        settings_.matcher.correlated_beams, settings_.likelihood);
+      poseLogLikelihood(surfaces_, references_, match.map_from_laser, settings_.likelihood);
   const auto reading_count = static_cast<double>(
       std::min(surfaces_.points.size(), static_cast<std::size_t>(settings_.likelihood.max_points)));
   const double worst = std::log(settings_.likelihood.contradicting) * std::max(reading_count, 1.0) /
-                       settings_.matcher.correlated_beams;
+                       settings_.likelihood.correlated_beams;
   return {match, logPrior(match.map_from_laser) + by_scan, searched, by_scan / worst};
 }
 

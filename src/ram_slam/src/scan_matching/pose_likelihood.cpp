@@ -145,14 +145,15 @@ const ram_parameters::ParameterTable<PoseLikelihoodParameters>& PoseLikelihoodPa
                "A reading is before or behind what the other scan saw if it is so much nearer or "
                "farther.")
           .add("max_points", &P::max_points, "", atLeast(1),
-               "Points of each scan that are used, evenly spread.");
+               "Points of each scan that are used, evenly spread.")
+          .add("correlated_beams", &P::correlated_beams, "", atLeast(1.0),
+               "How many readings share their error and count as one.");
   return table;
 }
 
 double poseLogLikelihood(const SurfaceScan& scan,
                          const std::vector<ReferenceScan>& references,
                          const Pose2& map_from_laser,
-                         double correlated_beams,
                          const PoseLikelihoodParameters& parameters) {
   const double reach_m = 3.0 * parameters.deviation_m;
   std::vector<View> views;
@@ -167,7 +168,7 @@ double poseLogLikelihood(const SurfaceScan& scan,
   cost = 0.5 * (cost + back);
   const double count =
       std::min(static_cast<double>(scan.points.size()), static_cast<double>(parameters.max_points));
-  return -cost * count / correlated_beams;
+  return -cost * count / parameters.correlated_beams;
 }
 
 }  // namespace ram_slam

@@ -34,9 +34,7 @@ Equations sumReferences(const SurfaceScan& scan,
     equations.gradient += reference_from_map_axes.transpose() * sum.gradient;
     equations.cost_m2 += sum.cost_m2;
     equations.weight += sum.weight;
-    const auto visible = static_cast<double>(std::max<std::size_t>(sum.visible_count, 1));
-    const double ratio = static_cast<double>(sum.pair_count) / visible;
-    equations.inlier_ratio = std::max(equations.inlier_ratio, ratio);
+    equations.inlier_ratio = std::max(equations.inlier_ratio, sum.inlierRatio());
   }
   return equations;
 }
@@ -84,16 +82,21 @@ void ScanMatcherParameters::validate() const {
   table().check(*this);
 }
 
+PairingLimits ScanMatcherParameters::firstPairing() const {
+  PairingLimits limits;
+  limits.max_distance_m = first_gate_m;
+  limits.min_normal_cosine = min_normal_cosine;
+  limits.robust_scale_m = robust_scale_m;
+  limits.max_search_beams = max_search_beams;
+  return limits;
+}
+
 ScanMatch matchScan(const SurfaceScan& scan,
                     const std::vector<ReferenceScan>& references,
                     const PosePrior& prior,
                     const Pose2& map_from_laser_guess,
                     const ScanMatcherParameters& parameters) {
-  PairingLimits limits;
-  limits.max_distance_m = parameters.first_gate_m;
-  limits.min_normal_cosine = parameters.min_normal_cosine;
-  limits.robust_scale_m = parameters.robust_scale_m;
-  limits.max_search_beams = parameters.max_search_beams;
+  PairingLimits limits = parameters.firstPairing();
   const auto max_points = static_cast<std::size_t>(parameters.max_points);
   limits.point_stride =
       std::max<std::size_t>(1, (scan.points.size() + max_points - 1) / max_points);

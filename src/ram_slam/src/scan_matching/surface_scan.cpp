@@ -155,6 +155,9 @@ const ram_parameters::ParameterTable<SurfaceParameters>& SurfaceParameters::tabl
           .add("max_gap_in_beams", &P::max_gap_in_beams, "", positive(),
                "Far away max_gap_m grows to so many times the distance of neighbouring beams on a "
                "facing wall.")
+          .add("grazing_gap_factor", &P::grazing_gap_factor, "", atLeast(1.0),
+               "A reading with fewer neighbours than min_line_points may have them across gaps so "
+               "many times as wide, if they lie on a line: a wall at a grazing angle.")
           .add("min_line_points", &P::min_line_points, "", atLeast(2),
                "Readings without a gap between them that a line needs.")
           .add("min_line_elongation", &P::min_line_elongation, "", atLeast(1.0),
@@ -212,7 +215,11 @@ SurfaceScan extractSurfaces(const LaserScan& scan,
   const double max_line_deviation_m =
       std::max(parameters.max_line_deviation_m, parameters.max_line_in_deviations * deviation_m);
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    const Sums sums = sumNeighbours(ends, i, max_gaps_m[i], window_m, parameters);
+    Sums sums = sumNeighbours(ends, i, max_gaps_m[i], window_m, parameters);
+    if (sums.count < parameters.min_line_points) {
+      const float gap_m = static_cast<float>(parameters.grazing_gap_factor) * max_gaps_m[i];
+      sums = sumNeighbours(ends, i, gap_m, window_m, parameters);
+    }
     surfaces.points.push_back(fitLine(ends[i], sums, max_line_deviation_m, parameters));
   }
   return surfaces;

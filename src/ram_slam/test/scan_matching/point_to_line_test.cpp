@@ -67,7 +67,6 @@ PointToLineSum sumSlowly(const SurfaceScan& target,
   const Eigen::Matrix2d rotation = target_from_source.rotation();
   for (std::size_t i = 0; i < source.points.size(); i += limits.point_stride) {
     const SurfacePoint& point = source.points[i];
-    if (!point.hasNormal()) continue;
     const Eigen::Vector2d rotated = rotation * Eigen::Vector2d(point.x_m, point.y_m);
     const Eigen::Vector2d place = rotated + target_from_source.translation();
     const double beam =
@@ -83,9 +82,8 @@ PointToLineSum sumSlowly(const SurfaceScan& target,
     }
     if (partner == nullptr || !partner->hasNormal()) continue;
     const Eigen::Vector2d normal(partner->normal_x, partner->normal_y);
-    if (normal.dot(rotation * Eigen::Vector2d(point.normal_x, point.normal_y)) <
-        limits.min_normal_cosine)
-      continue;
+    const double cosine = normal.dot(rotation * Eigen::Vector2d(point.normal_x, point.normal_y));
+    if (point.hasNormal() && cosine < limits.min_normal_cosine) continue;
     const double residual_m = normal.dot(place - Eigen::Vector2d(partner->x_m, partner->y_m));
     const double weight = 1.0 / (1.0 + std::pow(residual_m / limits.robust_scale_m, 2));
     const Eigen::Vector3d slope(normal.x(), normal.y(),
@@ -94,7 +92,7 @@ PointToLineSum sumSlowly(const SurfaceScan& target,
     sum.gradient += weight * slope * residual_m;
     sum.cost_m2 += weight * residual_m * residual_m;
     sum.weight += weight;
-    ++sum.pair_count;
+    if (point.hasNormal()) ++sum.pair_count;
   }
   return sum;
 }
@@ -127,6 +125,18 @@ TEST(SumPointToLine, IsTheSumOverTheNearestPointsOfAll) {
     EXPECT_NEAR(fast.weight, slow.weight, 0.02 * slow.weight);
     EXPECT_NEAR(fast.cost_m2, slow.cost_m2, 0.02 * slow.cost_m2 + 1e-5);
   }
+}
+
+TEST(SumPointToLine, UsesPointsOnNoLineButCountsThemNot) {
+  // Of the thin rod in front of the wall the source sees one point, 5 cm before the line.
+  SurfaceScan wall = extractSurfaces(scanWalls({{{2.0, -1.0}, {2.0, 1.0}}}, {}, 1), {});
+  SurfaceScan rod = wall;
+  rod.points = {{1.95F, 0.0F, 0.0F, 0.0F}};
+  const PointToLineSum sum = sumPointToLine(wall, rod, {}, {});
+  EXPECT_NEAR(sum.gradient.x() / sum.information(0, 0), -0.05, 1e-3);
+  EXPECT_EQ(sum.visible_count, 0U);
+  EXPECT_EQ(sum.pair_count, 0U);
+  EXPECT_EQ(sum.inlierRatio(), 0.0);
 }
 
 TEST(SumPointToLine, OfScansWithNothingInCommonIsZero) {

@@ -21,7 +21,9 @@ SurfaceScan oneReading(float range_m) {
 }
 
 double logLikelihood(const SurfaceScan& scan, const SurfaceScan& reference, const Pose2& pose) {
-  return poseLogLikelihood(scan, {{&reference, Pose2{}}}, pose, 1.0, PoseLikelihoodParameters());
+  PoseLikelihoodParameters each_counts;
+  each_counts.correlated_beams = 1.0;
+  return poseLogLikelihood(scan, {{&reference, Pose2{}}}, pose, each_counts);
 }
 
 TEST(PoseLikelihood, FallsWithTheSquareOfTheDistanceFromASurface) {
@@ -51,8 +53,7 @@ TEST(PoseLikelihood, ReadingsThatShareTheirErrorCountAsOne) {
   const SurfaceScan reference = oneReading(2.0F);
   const Pose2 pose{-0.03, 0.0, 0.0};
   const double alone = logLikelihood(reference, reference, pose);
-  EXPECT_NEAR(poseLogLikelihood(reference, {{&reference, Pose2{}}}, pose, 5.0, {}), alone / 5.0,
-              1e-9);
+  EXPECT_NEAR(poseLogLikelihood(reference, {{&reference, Pose2{}}}, pose, {}), alone / 5.0, 1e-9);
 }
 
 TEST(PoseLikelihood, OfSparseScansIsGreatestAtTheTruePose) {
@@ -64,7 +65,7 @@ TEST(PoseLikelihood, OfSparseScansIsGreatestAtTheTruePose) {
   const SurfaceScan reference = extractSurfaces(scanWalls(walls, before, 1, sparse), {});
   const SurfaceScan scan = extractSurfaces(scanWalls(walls, truth, 2, sparse), {});
   const auto at = [&](const Pose2& pose) {
-    return poseLogLikelihood(scan, {{&reference, before}}, pose, 5.0, {});
+    return poseLogLikelihood(scan, {{&reference, before}}, pose, {});
   };
   for (const Pose2& away : {Pose2{0.2, 0.0, 0.0}, Pose2{0.0, 0.2, 0.0}, Pose2{0.0, 0.0, 0.1},
                             Pose2{-0.2, 0.0, 0.0}, Pose2{0.0, -0.2, 0.0}, Pose2{0.0, 0.0, -0.1}})

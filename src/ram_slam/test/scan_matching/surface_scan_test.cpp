@@ -112,6 +112,24 @@ TEST(ExtractSurfaces, AWallEndsWhereTheReadingsLeaveAGap) {
   }
 }
 
+TEST(ExtractSurfaces, AWallAtAGrazingAngleIsALineAcrossWideGaps) {
+  // One beam per degree along a wall 1 m aside: 8 m ahead its readings are 1.1 m apart.
+  TestLaser laser;
+  laser.field_of_view_rad = M_PI;
+  laser.beam_count = 181;
+  const LaserScan scan = scanWalls({{{-1.0, 1.0}, {12.0, 1.0}}}, {}, 1, laser);
+  SurfaceParameters parameters;
+  const auto farthestOnLine = [&] {
+    float farthest_m = 0.0F;
+    for (const SurfacePoint& point : extractSurfaces(scan, parameters).points)
+      if (point.hasNormal()) farthest_m = std::max(farthest_m, point.x_m);
+    return farthest_m;
+  };
+  EXPECT_GT(farthestOnLine(), 7.0F);
+  parameters.grazing_gap_factor = 1.0;
+  EXPECT_LT(farthestOnLine(), 5.0F);
+}
+
 TEST(ExtractSurfaces, ReadingsBeyondTheUsableRangeAreLeftOut) {
   SurfaceParameters parameters;
   parameters.max_range_m = 3.5;

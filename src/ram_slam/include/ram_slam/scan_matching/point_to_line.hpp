@@ -23,15 +23,23 @@ struct PairingLimits {
 struct PointToLineSum {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double cost_m2 = 0.0;  ///< sum of w r^2
-  double weight = 0.0;   ///< sum of w
-  std::size_t pair_count = 0;
+  double cost_m2 = 0.0;           ///< sum of w r^2
+  double weight = 0.0;            ///< sum of w
   std::size_t visible_count = 0;  ///< source points on lines within the target's field of view
+  std::size_t pair_count = 0;     ///< those of them that have a partner
+
+  /// 0 if no point is in the field of view.
+  double inlierRatio() const {
+    return visible_count == 0
+               ? 0.0
+               : static_cast<double>(pair_count) / static_cast<double>(visible_count);
+  }
 };
 
 /// Pairs each point of `source` with the nearest point of `target` about the beam in its
-/// direction, and sums the point-to-line residuals (Censi, ICRA 2008; the beam order replaces the
-/// search).
+/// direction, if that lies on a line, and sums the point-to-line residuals (Censi, ICRA 2008; the
+/// beam order replaces the search). Points of `source` on no line (edges, far walls at a grazing
+/// angle) are paired, too, but do not count in pair_count and visible_count.
 PointToLineSum sumPointToLine(const SurfaceScan& target,
                               const SurfaceScan& source,
                               const Pose2& target_from_source,

@@ -17,6 +17,8 @@ struct PoseLikelihoodParameters {
   double contradicting = 0.01;  ///< likelihood of one that the other scan saw through
   double margin_m = 0.1;        ///< nearer or farther than the other scan by this: before, behind
   int max_points = 150;         ///< of each scan that are used, evenly spread
+  /// How many readings share their error and count as one: moving things cover whole sectors.
+  double correlated_beams = 5.0;
 
   static const ram_parameters::ParameterTable<PoseLikelihoodParameters>& table();
 };
@@ -28,12 +30,9 @@ struct PoseLikelihoodParameters {
 /// - `unseen` where the other scan saw nothing: hidden from it, or out of its view. A scan that
 ///   shows a new place is no evidence against that place,
 /// - `contradicting` in front of what the other scan saw: it saw through.
-/// Readings that share their error count as one.
-/// \param correlated_beams  how many readings do
 double poseLogLikelihood(const SurfaceScan& scan,
                          const std::vector<ReferenceScan>& references,
                          const Pose2& map_from_laser,
-                         double correlated_beams,
                          const PoseLikelihoodParameters& parameters);
 
 }  // namespace ram_slam

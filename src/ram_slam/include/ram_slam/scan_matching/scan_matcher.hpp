@@ -20,7 +20,7 @@ struct ScanMatcherParameters {
   double min_normal_cosine = 0.8;   ///< of the angle between the normals of a pair
   double robust_scale_m = 0.03;     ///< residual at which a pair counts half (Cauchy)
   double range_deviation_m = 0.02;  ///< standard deviation of a reading across a wall
-  double correlated_beams = 5.0;    ///< how many neighbouring readings share their error
+  double correlated_beams = 2.0;    ///< how many neighbouring readings share their error
   int max_iterations = 8;
   int max_points = 400;  ///< of the scan that are used, evenly spread
   /// A step below this ends the iteration, once the gate is the last one.
@@ -29,6 +29,9 @@ struct ScanMatcherParameters {
   MotionGate good_guess{0.01, 0.005};
   double gate_shrink = 0.6;        ///< the gate of an iteration over that of the one before
   double max_search_beams = 12.0;  ///< to each side of a point's beam, among which its partner is
+
+  /// Of the first iteration, all points of the scan.
+  PairingLimits firstPairing() const;
 
   static const ram_parameters::ParameterTable<ScanMatcherParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks

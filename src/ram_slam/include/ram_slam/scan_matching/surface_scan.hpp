@@ -35,6 +35,9 @@ struct SurfaceParameters {
   double max_range_m = 30.0;            ///< readings beyond are not used: too sparse to be lines
   /// Gaps up to this many distances of neighbouring beams on a facing wall are none, either.
   double max_gap_in_beams = 4.0;
+  /// A reading without enough neighbours may have them across gaps so many times as wide, if they
+  /// lie on a line: a wall at a grazing angle.
+  double grazing_gap_factor = 5.0;
   int min_line_points = 4;           ///< neighbours that a line needs, the point itself included
   double min_line_elongation = 3.0;  ///< deviation along the line over that across it
 
