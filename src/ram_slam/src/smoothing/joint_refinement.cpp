@@ -27,72 +27,23 @@ std::vector<ScanPair> chainPairs(const std::vector<KeyScan>& key_scans, std::siz
   return pairs;
 }
 
-/// Key scans of other passages about the same place, the nearest views first.
-std::vector<std::size_t> nearViews(const std::vector<KeyScan>& key_scans,
-                                   const std::vector<Eigen::Vector2d>& centres,
-                                   std::size_t source,
-                                   const RefinementParameters& parameters) {
-  const auto gap = static_cast<std::size_t>(parameters.min_loop_gap);
-  std::vector<std::pair<double, std::size_t>> near;
-  for (std::size_t target = 0; target + gap <= source; ++target) {
-    const double squared = (centres[target] - centres[source]).squaredNorm();
-    if (squared > parameters.max_view_distance_m * parameters.max_view_distance_m) continue;
-    const double turn = wrapAngle(key_scans[target].map_from_laser.yaw_rad -
-                                  key_scans[source].map_from_laser.yaw_rad);
-    if (std::abs(turn) <= parameters.max_angle_rad) near.emplace_back(squared, target);
-  }
-  std::sort(near.begin(), near.end());
-  std::vector<std::size_t> keys;
-  for (const auto& [squared, target] : near) keys.push_back(target);
-  return keys;
-}
-
-/// One of each passage, the first ones.
-std::vector<std::size_t> oneOfEachPassage(const std::vector<std::size_t>& keys,
-                                          const RefinementParameters& parameters) {
-  const auto gap = static_cast<std::size_t>(parameters.min_passage_gap);
-  std::vector<std::size_t> chosen;
-  for (const std::size_t key : keys) {
-    if (chosen.size() == static_cast<std::size_t>(parameters.loop_neighbour_count)) break;
-    const bool is_other = std::all_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
-      return (key > other ? key - other : other - key) >= gap;
-    });
-    if (is_other) chosen.push_back(key);
-  }
-  return chosen;
-}
-
 /// Each key scan with those of other passages whose view centres are nearest.
 std::vector<ScanPair> loopPairs(const std::vector<KeyScan>& key_scans,
                                 const RefinementParameters& parameters) {
-  std::vector<Eigen::Vector2d> centres;
-  for (const KeyScan& key : key_scans) centres.push_back(key.viewCentreInMap());
   std::vector<ScanPair> pairs;
-  for (auto source = static_cast<std::size_t>(parameters.min_loop_gap); source < key_scans.size();
-       ++source) {
+  for (std::size_t source = 0; source < key_scans.size(); ++source) {
     if (key_scans[source].is_loaded) continue;
-    const std::vector<std::size_t> near = nearViews(key_scans, centres, source, parameters);
-    for (const std::size_t target : oneOfEachPassage(near, parameters))
+    for (const std::size_t target : nearViews(key_scans, source, parameters.near_views))
       pairs.push_back({target, source});
   }
   return pairs;
 }
 
-/// The pairing of points and what a pair of points weighs.
+/// How points are paired and what a pair of them weighs.
 struct Pairing {
   PairingLimits limits;
   double information_per_pair = 0.0;  ///< [1/m^2]
 };
-
-Pairing firstPairing(const ScanMatcherParameters& matcher) {
-  Pairing pairing;
-  pairing.limits.max_distance_m = matcher.first_gate_m;
-  pairing.limits.min_normal_cosine = matcher.min_normal_cosine;
-  pairing.limits.robust_scale_m = matcher.robust_scale_m;
-  pairing.information_per_pair =
-      1.0 / (matcher.range_deviation_m * matcher.range_deviation_m * matcher.correlated_beams);
-  return pairing;
-}
 
 /// The relative pose that a pair of scans wants, near the one it has; without information if too
 /// few of their points are paired.
@@ -109,8 +60,7 @@ PoseEdge linearise(const ScanPair& pair,
       sumPointToLine(key_scans[pair.target].surfaces, key_scans[pair.source].surfaces,
                      edge.from_from_to, pairing.limits);
   edge.information = Eigen::Matrix3d::Zero();
-  const double least = parameters.min_inlier_ratio * static_cast<double>(sum.visible_count);
-  if (static_cast<double>(sum.pair_count) < least || sum.pair_count == 0) return edge;
+  if (sum.pair_count == 0 || sum.inlierRatio() < parameters.min_inlier_ratio) return edge;
   edge.information = pairing.information_per_pair * sum.information +
                      parameters.damping_information * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d step =
@@ -130,21 +80,12 @@ const ram_parameters::ParameterTable<RefinementParameters>& RefinementParameters
       ParameterTable<P>()
           .add("iterations", &P::iterations, "", atLeast(0),
                "Times that points are paired and the poses solved for; 0 leaves it out.")
-          .add("loop_neighbour_count", &P::loop_neighbour_count, "", atLeast(0),
-               "Most key scans of other passages that each one is paired with.")
-          .add("max_view_distance_m", &P::max_view_distance_m, "m", positive(),
-               "Greatest distance between the centres of what two scans see.")
-          .add("max_angle_rad", &P::max_angle_rad, "rad", positive(),
-               "Greatest angle between the headings of two scans.")
           .add("min_inlier_ratio", &P::min_inlier_ratio, "", within(0.0, 1.0),
                "Pairs of scans with a smaller share of paired points do not count.")
+          .include(&P::near_views, NearViewParameters::table())
           .expert("Pairs of the alignment of all key scans")
           .add("farthest_neighbour", &P::farthest_neighbour, "", atLeast(1),
                "Each key scan is paired with those 1, 2, 4, .. back, up to this.")
-          .add("min_loop_gap", &P::min_loop_gap, "", atLeast(1),
-               "Least number of key scans between one and another passage.")
-          .add("min_passage_gap", &P::min_passage_gap, "", atLeast(1),
-               "Least number of key scans between two other passages.")
           .add("damping_information", &P::damping_information, "1/m^2, 1/rad^2", positive(),
                "Information that holds what a pair of scans leaves open.")
           .add("solver_iterations", &P::solver_iterations, "", atLeast(1),
@@ -161,7 +102,8 @@ std::vector<Pose2> refineJointly(const std::vector<KeyScan>& key_scans,
   const std::vector<ScanPair> loops = loopPairs(key_scans, parameters);
   pairs.insert(pairs.end(), loops.begin(), loops.end());
 
-  Pairing pairing = firstPairing(matcher);
+  const double variance_m2 = matcher.range_deviation_m * matcher.range_deviation_m;
+  Pairing pairing{matcher.firstPairing(), 1.0 / (variance_m2 * matcher.correlated_beams)};
   PoseGraphParameters solver;
   solver.max_iterations = parameters.solver_iterations;
   PoseGraph graph;

@@ -34,6 +34,13 @@ bool seesWalls(const SurfaceScan& surfaces) {
   return 2 * surfaces.points.size() > surfaces.point_of_beam.size();
 }
 
+/// The information of a pose, turned from the axes of a frame into those of the map.
+Eigen::Matrix3d inMapAxes(const Eigen::Matrix3d& information, const Pose2& map_from_frame) {
+  Eigen::Matrix3d frame_axes = Eigen::Matrix3d::Identity();
+  frame_axes.topLeftCorner<2, 2>() = map_from_frame.rotation().transpose();
+  return frame_axes.transpose() * information * frame_axes;
+}
+
 }  // namespace
 
 const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::table() {
@@ -76,6 +83,8 @@ const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::tabl
                "Path that turning counts as, because odometry drifts by it, too.")
           .add("farthest_reference", &P::farthest_reference, "", atLeast(1),
                "A new key scan is aligned with those 1, 2, 4, .. back, up to this.")
+          .add("alignment_motion_weight", &P::motion_weight, "", positive(),
+               "Weight of this alignment against that with key scans of earlier passages.")
           .add("between_distance_m", &P::between_distance_m, "m", positive(),
                "Between two key scans a scan is aligned, too, after so much motion.")
           .add("between_angle_rad", &P::between_angle_rad, "rad", positive(),
@@ -88,11 +97,13 @@ const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::tabl
 KeyScans::KeyScans(const KeyScanParameters& parameters,
                    const SurfaceParameters& surfaces,
                    const ScanMatcherParameters& matcher,
-                   double min_inlier_ratio)
+                   double min_inlier_ratio,
+                   const NearViewParameters& near_views)
     : parameters_(parameters),
       surfaces_(surfaces),
       matcher_(matcher),
-      min_inlier_ratio_(min_inlier_ratio) {}
+      min_inlier_ratio_(min_inlier_ratio),
+      near_views_(near_views) {}
 
 void KeyScans::load(const std::vector<PlacedScan>& scans) {
   for (const PlacedScan& placed : scans) {
@@ -198,6 +209,7 @@ void KeyScans::addKeyScan(std::int64_t stamp_ns,
   keys_.push_back(std::move(key));
   if (keys_.size() == 1) return;
   reviewJumps(alignNewest());
+  alignNewestWithMap();
   alignBetweenScans();
 }
 
@@ -213,6 +225,25 @@ double KeyScans::alignNewest() {
   aligned_motion_.push_back(edge);
   keys_.back().map_from_laser = keys_[edge.from].map_from_laser * edge.from_from_to;
   return match.inlier_ratio;
+}
+
+void KeyScans::alignNewestWithMap() {
+  KeyScan& newest = keys_.back();
+  const auto meets = [&](std::size_t key) {
+    const Pose2 expected = relativePose(keys_[key], newest);
+    return sumPointToLine(keys_[key].surfaces, newest.surfaces, expected, matcher_.firstPairing())
+               .inlierRatio() >= min_inlier_ratio_;
+  };
+  std::vector<ReferenceScan> references;
+  for (const std::size_t key : nearViews(keys_, keys_.size() - 1, near_views_, meets))
+    references.push_back({&keys_[key].surfaces, keys_[key].map_from_laser});
+  if (references.empty()) return;
+  const PoseEdge& motion = aligned_motion_.back();
+  const PosePrior prior{
+      newest.map_from_laser,
+      parameters_.motion_weight * inMapAxes(motion.information, keys_[motion.from].map_from_laser)};
+  newest.map_from_laser =
+      matchScan(newest.surfaces, references, prior, newest.map_from_laser, matcher_).map_from_laser;
 }
 
 std::vector<ReferenceScan> KeyScans::scansBefore(std::size_t key) const {

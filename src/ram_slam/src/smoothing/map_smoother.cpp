@@ -18,16 +18,18 @@ MapSmoother::MapSmoother(const MapSmootherParameters& parameters, const FeatureM
       key_scans_(parameters.key_scans,
                  parameters.surfaces,
                  parameters.matcher,
-                 parameters.refinement.min_inlier_ratio),
+                 parameters.refinement.min_inlier_ratio,
+                 parameters.refinement.near_views),
       loops_(parameters.loops, parameters.matcher, matchers),
       optimizer_(parameters.graph, parameters.refinement, parameters.matcher) {}
 
-void MapSmoother::addScan(const LaserScan& scan,
+bool MapSmoother::addScan(const LaserScan& scan,
                           const Pose2& base_from_laser,
                           const Pose2& odom_from_base) {
-  if (!key_scans_.add(scan, base_from_laser, odom_from_base)) return;
+  if (!key_scans_.add(scan, base_from_laser, odom_from_base)) return false;
   loops_.useFeatures(key_scans_.keys());
   loops_.searchIfDue(key_scans_.keys(), closureHandler());
+  return true;
 }
 
 void MapSmoother::addFeatures(const FeatureList& list) {

@@ -69,6 +69,23 @@ TEST(KeyScans, AlignKeyScansBeyondTheGivenMotion) {
   EXPECT_GT(scans.alignedMotion()[0].information(1, 1), scans.givenMotion()[0].information(1, 1));
 }
 
+TEST(KeyScans, DoNotDriftWhereTheRobotHasBeenBefore) {
+  // Five times along the same line: odometry drifts on, the key scans stay in the map.
+  std::vector<Pose2> truth;
+  for (int round = 0; round < 5; ++round) {
+    const std::vector<Pose2> once = thereAndBack(15);
+    truth.insert(truth.end(), once.begin(), once.end());
+  }
+  const std::vector<Pose2> odometry = withDrift(truth, 0.5);
+  const KeyScans scans = scansAt(pillarRoom(), truth, odometry);
+  ASSERT_GT(odometry.back().y_m, 0.45);
+  for (const StampedPose2& stamped : scans.trajectory()) EXPECT_NEAR(stamped.pose.y_m, 0.0, 0.02);
+  // The motion between two key scans is what was measured, not what the map makes of it.
+  const PoseEdge& last = scans.alignedMotion().back();
+  const Pose2 moved = relativePose(scans.keys()[last.from], scans.keys()[last.to]);
+  EXPECT_NE(moved.y_m, last.from_from_to.y_m);
+}
+
 TEST(KeyScans, AlignScansBetweenTwoKeyScans) {
   std::vector<Pose2> truth;
   for (int i = 0; i <= 12; ++i) truth.push_back({0.1 * i, 0.0, 0.0});

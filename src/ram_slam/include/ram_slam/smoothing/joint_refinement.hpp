@@ -8,21 +8,18 @@
 #include "ram_slam/pose_graph/pose_graph.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"
+#include "ram_slam/smoothing/near_views.hpp"
 
 namespace ram_slam {
 
 /// Settings of the joint refinement. Keys are those of config/map_smoother.yaml without
 /// "refinement_".
 struct RefinementParameters {
-  int iterations = 5;            ///< of pairing points and solving; 0 leaves the poses as they are
-  int loop_neighbour_count = 4;  ///< key scans of other passages that each one is paired with
-  double max_view_distance_m = 2.5;  ///< between the view centres of two scans
-  double max_angle_rad = 3.2;        ///< between their headings
-  double min_inlier_ratio = 0.4;     ///< share of points with a partner; pairs below do not count
+  int iterations = 5;             ///< of pairing points and solving; 0 leaves the poses as they are
+  double min_inlier_ratio = 0.4;  ///< share of points with a partner; pairs below do not count
+  NearViewParameters near_views;
 
   int farthest_neighbour = 16;  ///< each key scan is paired with those 1, 2, 4, .. this back
-  int min_loop_gap = 10;        ///< key scans between a scan and one of another passage
-  int min_passage_gap = 5;      ///< key scans between two of those
   double damping_information =
       100.0;                  ///< keeps what a pair leaves open where it is: 0.1 m, 0.1 rad
   int solver_iterations = 3;  ///< of the pose graph, per iteration

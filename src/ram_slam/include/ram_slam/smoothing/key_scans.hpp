@@ -15,6 +15,7 @@
 #include "ram_slam/sensing/laser_scan.hpp"
 #include "ram_slam/sensing/placed_scan.hpp"
 #include "ram_slam/smoothing/key_scan.hpp"
+#include "ram_slam/smoothing/near_views.hpp"
 
 namespace ram_slam {
 
@@ -48,6 +49,9 @@ struct KeyScanParameters {
   double view_range_m = 8.0;    ///< points farther away do not count for the view centre
   double path_m_per_rad = 0.5;  ///< turning counts as path: odometry drifts by it, too
   int farthest_reference = 4;   ///< a new key scan is aligned with those 1, 2, 4, .. this back
+  /// Weight of this alignment against the one with earlier passages: the key scans before are not
+  /// exactly in their places, either.
+  double motion_weight = 0.2;
   /// Of the scans between two key scans those are aligned, too, that are so far from each other.
   double between_distance_m = 0.05;
   double between_angle_rad = 0.05;
@@ -60,12 +64,14 @@ struct KeyScanParameters {
 /// and where all other scans are, relative to the key scans before and after them.
 class KeyScans {
 public:
-  /// \param min_inlier_ratio  share of a scan's points that must find a partner in the key scans
-  ///   for the alignment of a scan between two key scans to count
+  /// \param min_inlier_ratio  share of a scan's points that must find a partner in a key scan for
+  ///   the alignment of a scan between two key scans, or with an earlier passage, to count
+  /// \param near_views  key scans of earlier passages that a new one is aligned with
   KeyScans(const KeyScanParameters& parameters,
            const SurfaceParameters& surfaces,
            const ScanMatcherParameters& matcher,
-           double min_inlier_ratio);
+           double min_inlier_ratio,
+           const NearViewParameters& near_views = {});
 
   /// Begins with the scans of a map made before: those that are key scans stay where they are.
   /// Call it once, first, and startSession() before the first add().
@@ -127,6 +133,9 @@ private:
   /// Aligns the newest key scan with those before it.
   /// \return the share of its points that meet them
   double alignNewest();
+  /// Moves the newest key scan to where those of earlier passages see the same, whatever their age:
+  /// its pose does not drift where the robot has been before. The motion to it stays as measured.
+  void alignNewestWithMap();
   /// The share of the newest key scan's points that meet the key scans before another one.
   double inlierRatioBefore(std::size_t key) const;
   /// Decides whether the robot may have been carried to one of the last key scans.
@@ -149,6 +158,7 @@ private:
   SurfaceParameters surfaces_;
   ScanMatcherParameters matcher_;
   double min_inlier_ratio_;
+  NearViewParameters near_views_;
   bool starts_session_ = false;
   std::size_t session_begin_ = 0;         ///< its first key scan
   std::optional<std::size_t> unmet_key_;  ///< the first in a row that does not meet those before

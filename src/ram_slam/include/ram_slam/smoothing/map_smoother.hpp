@@ -65,9 +65,10 @@ public:
 
   /// \param odom_from_base  the given trajectory at the scan's stamp; the first one stays where it
   ///   is
+  /// \return whether it is a key scan, the last of keyScans()
   /// \throws std::invalid_argument, the state untouched, if the scan cannot be used, a pose is not
   ///   finite or the stamp is not later than that of the scan before
-  void addScan(const LaserScan& scan, const Pose2& base_from_laser, const Pose2& odom_from_base);
+  bool addScan(const LaserScan& scan, const Pose2& base_from_laser, const Pose2& odom_from_base);
 
   /// Before the first scan: continues a map made before. Its scans stay where they are; the robot
   /// is lost in it until startSession(). \throws as KeyScans::load()
