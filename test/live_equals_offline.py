@@ -40,7 +40,7 @@ REPEATED_ODOMETRY = 400
 TOLERANCE_M = 1e-6
 # How many nodes must be connected to what a node publishes before the first scan is played.
 CONNECTIONS = {("/laser_odometry", "/laser_odom"): 2, ("/feature_detector", "/features"): 3,
-               ("/map_smoother", "/smoothed_trajectory"): 1}
+               ("/map_smoother", "/smoothed_trajectory"): 1, ("/map_smoother", "/map_pose"): 1}
 STAGES = {"/laser_odometry: odometry": "odometry", "/fast_slam: localisation": "estimator",
           "/map_smoother: smoothing": "smoothing"}
 

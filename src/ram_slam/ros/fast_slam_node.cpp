@@ -27,12 +27,6 @@ namespace {
 using Seconds = std::chrono::duration<double>;
 using std::chrono::steady_clock;
 
-void logCorrection(const ram_slam::Pose2& correction) {
-  ROS_WARN_STREAM("The smoothed trajectory moves the pose by "
-                  << correction.translation().norm() << " m and turns it by " << correction.yaw_rad
-                  << " rad, and the map with it");
-}
-
 ram_slam::EstimatorFactory readEstimator(ram_parameters::ParameterReader& reader,
                                          const std::string& name,
                                          const MatcherPlugins& matchers) {
@@ -119,6 +113,7 @@ void FastSlamNode::subscribe() {
   subscribers_.push_back(
       node_.subscribe("smoothed_trajectory", 1, &FastSlamNode::onSmoothedTrajectory, this, hints));
   subscribers_.push_back(node_.subscribe("/tf", 100, &FastSlamNode::onTransforms, this, hints));
+  subscribers_.push_back(node_.subscribe("map_pose", 100, &FastSlamNode::onMapPose, this, hints));
   if (node_parameters_.use_scan) {
     subscribers_.push_back(node_.subscribe("scan", 20, &FastSlamNode::onScan, this, hints));
   }
@@ -202,34 +197,6 @@ void FastSlamNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped&
   } catch (const std::exception& error) {
     ROS_WARN_STREAM("Rejected an initial pose: " << error.what());
   }
-}
-
-void FastSlamNode::onSmoothedTrajectory(const nav_msgs::Path& message) {
-  try {
-    ram_slam::Trajectory trajectory = toTrajectory(message);
-    const std::lock_guard<std::mutex> lock(queue_mutex_);
-    smoothed_ = std::move(trajectory);
-    queue_changed_.notify_one();
-  } catch (const std::exception& error) {
-    const std::lock_guard<std::mutex> lock(queue_mutex_);
-    queue_drops_.add(ram_slam::DropReason::kInvalidTrajectory, toNanoseconds(message.header.stamp),
-                     error.what());
-  }
-}
-
-void FastSlamNode::followCorrection() {
-  {
-    const std::lock_guard<std::mutex> lock(queue_mutex_);
-    if (smoothed_) stage_.addCorrection(std::move(*smoothed_));
-    smoothed_.reset();
-  }
-  const ram_slam::Pose2 before = stage_.estimator().estimate().pose;
-  const auto corrected = stage_.followCorrection();
-  if (!corrected) return;
-  const ram_slam::Pose2 correction = before.inverse() * stage_.estimator().estimate().pose;
-  if (node_parameters_.logged_correction.isReachedBy(correction)) logCorrection(correction);
-  corrected_trajectory_.publish(toPath(*corrected, node_parameters_.frames.map));
-  last_output_ns_ = 0;
 }
 
 bool FastSlamNode::onGlobalLocalization(std_srvs::Empty::Request& /*request*/,
@@ -328,6 +295,7 @@ bool FastSlamNode::tryUpdate(const ram_slam::FeatureList& list) {
   const std::shared_ptr<const ram_slam::LaserView> view = views_.at(list.stamp_ns);
   const std::lock_guard<std::timed_mutex> lock(stage_mutex_);
   const int reset_count = stage_.resetCount();
+  followMapPoses();
   const auto motion = stage_.motionUntil(list.stamp_ns);
   if (stage_.resetCount() != reset_count) afterReset("the stamps of the features were set back");
   if (!motion) return false;

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/Path.h>
 #include <ram_slam_msgs/FeatureList.h>
@@ -56,6 +57,7 @@ private:
   void enqueue(ram_slam::FeatureList list);
   /// Bends the map along what a smoother found.
   void onSmoothedTrajectory(const nav_msgs::Path& message);
+  void onMapPose(const geometry_msgs::PoseStamped& message);
   void onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message);
   bool onGlobalLocalization(std_srvs::Empty::Request& request, std_srvs::Empty::Response& response);
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
@@ -70,6 +72,7 @@ private:
   bool tryUpdate(const ram_slam::FeatureList& list);
   /// Follows the smoothed trajectory that arrived last, if there is one.
   void followCorrection();
+  void followMapPoses();
   /// The stage has begun again; the caller holds stage_mutex_.
   void afterReset(const std::string& reason);
   /// False without a usable checkpoint.
@@ -117,6 +120,7 @@ private:
   ram_slam::InputGuard<ram_slam::FeatureList> guard_;
   std::deque<ram_slam::FeatureList> queue_;
   std::optional<ram_slam::Trajectory> smoothed_;  ///< newest one that arrived
+  std::deque<ram_slam::StampedPose2> map_poses_;  ///< those that arrived since the last reading
   ram_slam::DropCounter queue_drops_;
   ram_slam::LossCounter messages_;
   ram_slam::AuthorityGuard authorities_;

@@ -4,6 +4,7 @@
 #include <exception>
 #include <utility>
 
+#include <geometry_msgs/PoseStamped.h>
 #include <nav_msgs/Path.h>
 #include <ram_slam_msgs/SmoothingStatus.h>
 
@@ -26,6 +27,7 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
       }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   publisher_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, kLatched);
+  map_pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>("map_pose", 100);
   status_publisher_ = node_.advertise<ram_slam_msgs::SmoothingStatus>("smoothing_status", 100);
   scan_subscriber_ = node_.subscribe("scan", kQueueSize, &MapSmootherNode::onScan, this, hints);
   odometry_subscriber_ =
@@ -87,6 +89,7 @@ void MapSmootherNode::processWaiting() {
     }
     logNewClosures();
     if (step->correction) publish(*step->correction);
+    if (step->map_from_base) publishMapPose(step->stamp_ns, *step->map_from_base);
     publishStatus(step->stamp_ns);
   }
   drop_log_.log(stage_.drops(),
@@ -109,6 +112,14 @@ void MapSmootherNode::logNewClosures() {
 void MapSmootherNode::publish(const ram_slam::Trajectory& smoothed) {
   ++correction_count_;
   publisher_.publish(toPath(smoothed, parameters_.map_frame));
+}
+
+void MapSmootherNode::publishMapPose(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base) {
+  geometry_msgs::PoseStamped message;
+  message.header.stamp = toTime(stamp_ns);
+  message.header.frame_id = parameters_.map_frame;
+  message.pose = toPoseMessage(map_from_base);
+  map_pose_publisher_.publish(message);
 }
 
 void MapSmootherNode::publishStatus(std::int64_t stamp_ns) {

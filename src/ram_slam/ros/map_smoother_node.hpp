@@ -23,9 +23,10 @@ namespace ram_slam_ros {
 
 /// `scan` and `odom` (best from laser_odometry) in, `features` if there are any,
 /// `smoothed_trajectory` out (latched): the pose of the base at every scan, whenever a correction
-/// moved the robot and on `~optimize`. The estimator follows it. `~undo_closure` takes the newest
-/// accepted closure back. `smoothing_status` follows each scan. What a lost robot sees (`tracking`)
-/// is left out.
+/// moved the robot and on `~optimize`; `map_pose` out: the pose of the base at each key scan as the
+/// map of then has it. The estimator follows both. `~undo_closure` takes the newest accepted
+/// closure back. `smoothing_status` follows each scan. What a lost robot sees (`tracking`) is left
+/// out.
 class MapSmootherNode {
 public:
   /// \throws std::invalid_argument if a parameter is refused
@@ -41,6 +42,7 @@ private:
   void processWaiting();
   void logNewClosures();
   void publish(const ram_slam::Trajectory& smoothed);
+  void publishMapPose(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base);
   void publishStatus(std::int64_t stamp_ns);
 
   ram_slam::MapSmootherParameters parameters_;
@@ -58,6 +60,7 @@ private:
   ros::NodeHandle node_;
   ros::NodeHandle private_node_{"~"};
   ros::Publisher publisher_;
+  ros::Publisher map_pose_publisher_;
   ros::Publisher status_publisher_;
   ros::Subscriber scan_subscriber_;
   ros::Subscriber odometry_subscriber_;

@@ -122,6 +122,7 @@ void SlamPipeline::process(const ram_slam::OdometryStep& step) {
     for (const ram_slam::StampedPose2& pose : step.between) feedKinematics(pose);
     feedKinematics({stamp_ns, step.estimate.odom_from_base.pose});
   }
+  estimator_.followMapPoses();
   if (smooths()) smooth(step);
   const auto motion = estimator_.motionUntil(stamp_ns);
   if (!motion) {
@@ -142,8 +143,11 @@ void SlamPipeline::process(const ram_slam::OdometryStep& step) {
 
 void SlamPipeline::smooth(const ram_slam::OdometryStep& step) {
   smoothing_.addOdometry({step.scan.scan.stamp_ns, step.estimate.odom_from_base.pose});
-  while (auto smoothed = smoothing_.next())
+  while (auto smoothed = smoothing_.next()) {
     if (smoothed->correction) estimator_.addCorrection(std::move(*smoothed->correction));
+    if (smoothed->map_from_base)
+      estimator_.addMapPose({smoothed->stamp_ns, *smoothed->map_from_base});
+  }
 }
 
 void SlamPipeline::updateEstimator(const ram_slam::MountedScan& scan,

@@ -19,6 +19,10 @@ void Path::append(const StampedPose2& pose) {
   last_ = std::make_shared<Node>(pose, again ? last_->parent : std::move(last_));
 }
 
+void Path::moveLast(const Pose2& new_from_old) {
+  if (!empty()) append({last_->pose.stamp_ns, new_from_old * last_->pose.pose});
+}
+
 std::vector<StampedPose2> Path::poses() const {
   std::vector<StampedPose2> poses;
   for (const Node* node = last_.get(); node != nullptr; node = node->parent.get()) {

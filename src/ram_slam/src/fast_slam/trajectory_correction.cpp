@@ -66,6 +66,16 @@ private:
 
 }  // namespace
 
+void FastSlam::movePose(const Pose2& new_from_old) {
+  const PoseWithCovariance2 move{new_from_old, Eigen::Matrix3d::Zero()};
+  for (Particle& particle : particles_) {
+    particle.map_from_base = new_from_old * particle.map_from_base;
+    particle.proposal = move * particle.proposal;
+    particle.path.moveLast(new_from_old);
+  }
+  estimate_ = move * estimate_;
+}
+
 Pose2 FastSlam::followTrajectory(const Trajectory& corrected) {
   validate(corrected);
   if (!started() || corrected.empty())
@@ -89,14 +99,9 @@ Pose2 FastSlam::followTrajectory(const Trajectory& corrected) {
                     rotation * landmark.covariance_m2 * rotation.transpose()};
   });
 
-  const PoseWithCovariance2 now{correction.newFromOld(stamp_ns_), Eigen::Matrix3d::Zero()};
+  movePose(correction.newFromOld(stamp_ns_));
   const Path path = correction.correctedPath();
-  for (Particle& particle : particles_) {
-    particle.map_from_base = now.pose * particle.map_from_base;
-    particle.proposal = now * particle.proposal;
-    particle.path = path;
-  }
-  estimate_ = now * estimate_;
+  for (Particle& particle : particles_) particle.path = path;
   Trajectory followed = corrected;
   for (StampedPose2& stamped : followed)
     stamped.pose = correction.mapFromCorrected() * stamped.pose;

@@ -17,6 +17,8 @@ std::string toText(DropReason reason) {
       return "unusable features";
     case DropReason::kInvalidTrajectory:
       return "unusable trajectory";
+    case DropReason::kMapPoseAway:
+      return "pose in the smoother's map far from the estimator's";
     case DropReason::kNoOdometry:
       return "no odometry at the stamp";
     case DropReason::kNoMount:

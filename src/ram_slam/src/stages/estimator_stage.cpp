@@ -25,6 +25,10 @@ const ram_parameters::ParameterTable<EstimatorStageParameters>& EstimatorStagePa
                "or so much turning,")
           .add("longest_pause_s", &P::longest_pause_s, "s", positive(),
                "or so much time since the one before.")
+          .expert("Poses that map_smoother measured in its map: the estimator is moved there")
+          .include(&P::map_pose,
+                   motionGateTable("One that is farther from the estimator's is not believed."),
+                   "map_pose_")
           .expert("Motion while the odometry is interrupted")
           .add("lost_after_s", &P::lost_after_s, "s", positive(),
                "A robot whose motion nobody knows for so long is lost: it is searched for in its "
@@ -47,6 +51,8 @@ void EstimatorStage::reset() {
   motion_.forget();
   bridges_ = false;
   correction_.reset();
+  map_poses_.clear();
+  map_from_smoothed_.reset();
   reached_ns_ = 0;
   ++reset_count_;
   stated_lost_.reset();
@@ -132,9 +138,49 @@ std::optional<Trajectory> EstimatorStage::followCorrection() {
 }
 
 Trajectory EstimatorStage::follow(Trajectory smoothed) {
-  const Pose2 map_from_smoothed = estimator_->followTrajectory(smoothed);
-  for (StampedPose2& stamped : smoothed) stamped.pose = map_from_smoothed * stamped.pose;
+  map_from_smoothed_ = estimator_->followTrajectory(smoothed);
+  for (StampedPose2& stamped : smoothed) stamped.pose = *map_from_smoothed_ * stamped.pose;
   return smoothed;
+}
+
+void EstimatorStage::addMapPose(const StampedPose2& smoothed_from_base) {
+  constexpr std::size_t kMost = 100;  // more than come while one reading waits for its motion
+  if (map_poses_.size() == kMost) {
+    drops_.add(DropReason::kQueueFull, map_poses_.front().stamp_ns, "map poses");
+    map_poses_.pop_front();
+  }
+  map_poses_.push_back(smoothed_from_base);
+}
+
+void EstimatorStage::followMapPoses() {
+  const std::deque<StampedPose2> kept = std::exchange(map_poses_, {});
+  for (const StampedPose2& pose : kept) {
+    if (pose.stamp_ns > reached_ns_) {
+      map_poses_.push_back(pose);
+    } else if (estimator_->started() && !estimator_->isLost()) {
+      followMapPose(pose);
+    }
+  }
+}
+
+void EstimatorStage::followMapPose(const StampedPose2& smoothed_from_base) {
+  const std::int64_t stamp_ns = smoothed_from_base.stamp_ns;
+  const Pose2 now = estimator_->estimate().pose;
+  try {
+    const std::int64_t now_ns = estimator_->stamp_ns();
+    const Pose2 moved = stamp_ns <= now_ns ? model_.motion(stamp_ns, now_ns).pose
+                                           : model_.motion(now_ns, stamp_ns).pose.inverse();
+    const Pose2 smoothed = smoothed_from_base.pose * moved;
+    if (!map_from_smoothed_) map_from_smoothed_ = now * smoothed.inverse();
+    const Pose2 measured = *map_from_smoothed_ * smoothed;
+    if (parameters_.map_pose.isExceededBy(now.inverse() * measured)) {
+      drops_.add(DropReason::kMapPoseAway, stamp_ns);
+    } else {
+      estimator_->movePose(measured * now.inverse());
+    }
+  } catch (const std::exception& error) {
+    drops_.add(DropReason::kNoMotion, stamp_ns, error.what());
+  }
 }
 
 }  // namespace ram_slam

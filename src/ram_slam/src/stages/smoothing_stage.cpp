@@ -72,14 +72,16 @@ std::optional<SmoothingStep> SmoothingStage::next() {
       drops().add(DropReason::kLost, ready->scan.stamp_ns, "scan");
       continue;
     }
+    SmoothingStep step{ready->scan.stamp_ns};
     try {
-      smoother_.addScan(ready->scan, ready->base_from_laser, aligned(*ready->odom_from_base));
+      const bool is_key_scan =
+          smoother_.addScan(ready->scan, ready->base_from_laser, aligned(*ready->odom_from_base));
       smoother_.optimizeIfDue();
+      if (is_key_scan) step.map_from_base = smoother_.keyScans().back().map_from_base();
     } catch (const std::exception& error) {
       drops().add(DropReason::kInvalidScan, ready->scan.stamp_ns, error.what());
       continue;
     }
-    SmoothingStep step{ready->scan.stamp_ns, std::nullopt};
     if (smoother_.hasCorrection()) step.correction = smoother_.takeCorrection();
     return step;
   }

@@ -30,6 +30,20 @@ TEST(Path, ReplacesAPoseOfTheSameStamp) {
   EXPECT_THAT(placesOf(path), testing::ElementsAre(0.1, 0.3));
 }
 
+TEST(Path, MovesItsLastPoseOnly) {
+  Path path;
+  path.moveLast({1.0, 0.0, 0.0});  // there is none yet
+  EXPECT_TRUE(path.empty());
+  path.append({1, {0.0, 0.0, 0.0}});
+  path.append({2, {1.0, 0.0, 0.0}});
+  path.moveLast({0.0, 0.5, 0.0});
+  const std::vector<StampedPose2> poses = path.poses();
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[0].pose.y_m, 0.0);
+  EXPECT_EQ(poses[1].pose.y_m, 0.5);
+  EXPECT_EQ(poses[1].stamp_ns, 2);
+}
+
 TEST(Path, OfACopyDoesNotChangeTheOriginal) {
   Path path;
   path.append({1, {0.1, 0.0, 0.0}});

@@ -83,6 +83,24 @@ TEST_F(TrajectoryCorrection, LandmarksMoveWithThePoseThatSawThemFirstAndTheRobot
     expectNear(particle.map_from_base, corrected.back().pose);
 }
 
+TEST_F(TrajectoryCorrection, MovingThePoseLeavesTheMapAndThePathBefore) {
+  drive(3);
+  const LandmarkMap map = filter_.landmarks();
+  const Trajectory before = filter_.trajectory();
+  const Pose2 pose = filter_.estimate().pose;
+  const Eigen::Matrix3d covariance = filter_.estimate().covariance;
+  filter_.movePose({0.1, -0.2, 0.0});
+  EXPECT_NEAR(filter_.estimate().pose.x_m, pose.x_m + 0.1, 1e-12);
+  EXPECT_NEAR(filter_.estimate().pose.y_m, pose.y_m - 0.2, 1e-12);
+  EXPECT_TRUE(filter_.estimate().covariance.isApprox(covariance));
+  const Trajectory after = filter_.trajectory();
+  ASSERT_EQ(after.size(), before.size());
+  EXPECT_EQ(after[1].pose.x_m, before[1].pose.x_m);
+  EXPECT_NEAR(after.back().pose.y_m, before.back().pose.y_m - 0.2, 1e-12);
+  ASSERT_THAT(filter_.landmarks().landmarks, SizeIs(map.landmarks.size()));
+  EXPECT_EQ(filter_.landmarks().landmarks[0].mean_m, map.landmarks[0].mean_m);
+}
+
 TEST_F(TrajectoryCorrection, TheFirstPoseStaysSoThatAnotherFrameChangesNothing) {
   drive(3);
   const Trajectory before = filter_.trajectory();

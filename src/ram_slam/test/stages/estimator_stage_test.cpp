@@ -66,6 +66,58 @@ TEST_F(EstimatorStageTest, AsksForTheMotionOncePerReading) {
   EXPECT_DOUBLE_EQ(pose_.x_m, 1.0);
 }
 
+TEST_F(EstimatorStageTest, IsMovedToPosesMeasuredInTheMapOfTheSmoother) {
+  // The smoother's frame is another one: its origin is at (0, 5) of the map, turned by 90 degrees.
+  const Pose2 smoothed_from_map = Pose2{0.0, 5.0, M_PI_2}.inverse();
+  read(kSecond);
+  stage_->addMapPose({kSecond, smoothed_from_map});
+  stage_->followMapPoses();  // the frames meet here: nothing moves
+  read(2 * kSecond);
+  EXPECT_NEAR(pose_.x_m, 1.0, 1e-9);
+  EXPECT_NEAR(pose_.y_m, 0.0, 1e-9);
+  // At 2 s the robot was 0.1 m farther, measured before it drove on for a second.
+  stage_->addMapPose({2 * kSecond, smoothed_from_map * Pose2{1.1, 0.2, 0.0}});
+  read(3 * kSecond);
+  stage_->followMapPoses();
+  read(4 * kSecond);
+  EXPECT_NEAR(pose_.x_m, 3.1, 1e-9);
+  EXPECT_NEAR(pose_.y_m, 0.2, 1e-9);
+  EXPECT_EQ(stage_->drops().total(), 0U);
+}
+
+TEST_F(EstimatorStageTest, KeepsAMapPoseUntilItsReadingWasDealtWith) {
+  read(kSecond);
+  stage_->addMapPose({kSecond, {}});
+  stage_->addMapPose({2 * kSecond, {1.1, 0.0, 0.0}});
+  stage_->followMapPoses();
+  read(2 * kSecond);
+  EXPECT_NEAR(pose_.x_m, 1.0, 1e-9);
+  stage_->followMapPoses();
+  EXPECT_NEAR(stage_->estimator().estimate().pose.x_m, 1.1, 1e-9);
+}
+
+TEST_F(EstimatorStageTest, DoesNotBelieveAMapPoseThatIsFarAway) {
+  read(kSecond);
+  stage_->addMapPose({kSecond, {}});
+  read(2 * kSecond);
+  stage_->addMapPose({2 * kSecond, {3.0, 0.0, 0.0}});
+  stage_->followMapPoses();
+  read(3 * kSecond);
+  EXPECT_NEAR(pose_.x_m, 2.0, 1e-9);
+  EXPECT_EQ(stage_->drops().newest().reason, DropReason::kMapPoseAway);
+}
+
+TEST_F(EstimatorStageTest, DoesNotMoveALostRobotToMapPoses) {
+  read(kSecond);
+  stage_->addMapPose({kSecond, {}});
+  read(2 * kSecond);
+  stage_->estimator().forgetPose();
+  stage_->addMapPose({2 * kSecond, {1.1, 0.0, 0.0}});
+  stage_->followMapPoses();
+  EXPECT_TRUE(stage_->estimator().isLost());
+  EXPECT_NEAR(stage_->estimator().estimate().pose.x_m, 1.0, 1e-9);
+}
+
 TEST_F(EstimatorStageTest, LeavesOutReadingsOfARobotThatHardlyMovesButKnowsItsPose) {
   EstimatorStageParameters parameters;
   parameters.minimum_distance_m = 0.5;

@@ -38,6 +38,24 @@ TEST(SmoothingStage, TakesInEachScanOnceItsOdometryIsThere) {
   EXPECT_NEAR(smoothed.back().pose.x_m, 9 * kStepM, 0.01);
 }
 
+TEST(SmoothingStage, GivesThePoseInTheMapAtEachKeyScan) {
+  SmoothingStage stage(MapSmootherParameters{}, {});
+  std::size_t key_scan_count = 0;
+  for (std::int64_t i = 0; i < 20; ++i) {
+    stage.add(scanAt(i));
+    // Wheels that drive two per cent too far.
+    stage.addOdometry({odometryAt(i).stamp_ns, {1.02 * kStepM * static_cast<double>(i), 0.0, 0.0}});
+    const auto step = stage.next();
+    ASSERT_TRUE(step);
+    const bool is_key_scan = stage.smoother().keyScans().size() > key_scan_count;
+    key_scan_count = stage.smoother().keyScans().size();
+    ASSERT_EQ(step->map_from_base.has_value(), is_key_scan);
+    if (!is_key_scan) continue;
+    EXPECT_NEAR(step->map_from_base->x_m, kStepM * static_cast<double>(i), 0.01);
+  }
+  EXPECT_GT(key_scan_count, 4u);
+}
+
 TEST(SmoothingStage, DropsScansThatNeverGetOdometry) {
   SmoothingStage stage(MapSmootherParameters{}, {});
   stage.add(scanAt(0));

@@ -71,6 +71,11 @@ public:
   /// The robot is there. \throws std::invalid_argument if the pose is not finite or the covariance
   /// not symmetric positive semi-definite
   virtual void setPose(const PoseWithCovariance2& map_from_base) = 0;
+  /// The robot is elsewhere by a little: new_from_old * its pose, in the same map.
+  virtual void movePose(const Pose2& new_from_old) {
+    const PoseWithCovariance2 now = estimate();
+    setPose({new_from_old * now.pose, now.covariance});
+  }
   /// Moves path, map and pose so that they agree with a corrected trajectory.
   /// \returns the frame of the corrected trajectory, seen from the map
   /// \throws std::invalid_argument if the trajectory cannot be used, std::runtime_error while the

@@ -35,6 +35,7 @@ public:
   std::string state() const override;
   std::vector<std::pair<std::string, double>> health() const override;
   void setPose(const PoseWithCovariance2& map_from_base) override { slam_.setPose(map_from_base); }
+  void movePose(const Pose2& new_from_old) override { slam_.movePose(new_from_old); }
   Pose2 followTrajectory(const Trajectory& corrected) override {
     return slam_.followTrajectory(corrected);
   }

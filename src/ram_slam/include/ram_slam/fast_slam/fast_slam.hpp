@@ -93,6 +93,10 @@ public:
   /// above, or if the stamp is older than stamp_ns()
   void setPose(const PoseWithCovariance2& map_from_base, std::int64_t stamp_ns);
 
+  /// Moves the newest pose of all particles to new_from_old * pose, in the same maps: an error that
+  /// all of them share was measured otherwise.
+  void movePose(const Pose2& new_from_old);
+
   /// Replaces the map by one learned before, the same for all particles, and the path by the one
   /// from which it was learned, if that is known. The pose stays.
   /// \throws std::invalid_argument if a landmark is not finite, its covariance not symmetric and

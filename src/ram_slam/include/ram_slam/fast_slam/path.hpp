@@ -15,6 +15,8 @@ class Path {
 public:
   /// A pose of the same stamp as the last one replaces it.
   void append(const StampedPose2& pose);
+  /// Moves the last pose to new_from_old * pose.
+  void moveLast(const Pose2& new_from_old);
   bool empty() const { return last_ == nullptr; }
   /// Oldest pose first.
   std::vector<StampedPose2> poses() const;

@@ -17,6 +17,7 @@ enum class DropReason {
   kInvalidOdometry,    ///< a pose or stamp of odometry is unusable, or it jumped
   kInvalidFeatures,    ///< a feature list is unusable
   kInvalidTrajectory,  ///< a corrected trajectory cannot be followed
+  kMapPoseAway,        ///< a pose measured in the smoother's map is far from the estimator's
   kNoOdometry,         ///< odometry did not reach the scan's stamp in time
   kNoMount,            ///< the sensor's pose on the robot is not known
   kNoMotion,           ///< the motion up to the stamp is not known

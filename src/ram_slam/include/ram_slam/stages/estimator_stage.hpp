@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/estimation/estimator_registry.hpp"
+#include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/motion/gap_bridge.hpp"
 #include "ram_slam/motion/motion_step.hpp"
 #include "ram_slam/stages/drop_counter.hpp"
@@ -20,6 +22,8 @@ struct EstimatorStageParameters {
   double minimum_angle_rad = 0.0;
   double longest_pause_s = 10.0;
   double lost_after_s = 10.0;  ///< without any motion
+  /// A pose measured in the smoother's map is not believed if it is farther from the estimator's.
+  MotionGate map_pose{0.5, 0.2};
   GapBridgeParameters gap_bridge;
 
   static const ram_parameters::ParameterTable<EstimatorStageParameters>& table();
@@ -69,6 +73,13 @@ public:
   /// \throws as Estimator::followTrajectory()
   Trajectory follow(Trajectory smoothed);
 
+  /// Keeps a pose of the base that was measured in the smoother's map, in the frame of its
+  /// trajectories; a hundred at most.
+  void addMapPose(const StampedPose2& smoothed_from_base);
+  /// Moves the estimator to the kept poses of readings that were dealt with, unless the robot is
+  /// lost. Call before each reading.
+  void followMapPoses();
+
   /// Whether the robot is lost, at the first call and when that has changed since the last one.
   std::optional<Tracking> takeTrackingChange();
 
@@ -83,6 +94,8 @@ public:
   DropCounter& drops() { return drops_; }
 
 private:
+  void followMapPose(const StampedPose2& smoothed_from_base);
+
   EstimatorFactory make_;
   const MotionModel& model_;
   EstimatorStageParameters parameters_;
@@ -92,6 +105,8 @@ private:
   std::int64_t reached_ns_ = 0;  ///< stamp of the newest reading whose motion was known
   bool bridges_ = false;
   std::optional<Trajectory> correction_;
+  std::deque<StampedPose2> map_poses_;
+  std::optional<Pose2> map_from_smoothed_;  ///< none before the first measured pose
   int reset_count_ = 0;
   std::optional<bool> stated_lost_;  ///< by takeTrackingChange()
   DropCounter drops_;

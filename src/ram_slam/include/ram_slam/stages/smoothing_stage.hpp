@@ -18,7 +18,10 @@ struct SmoothingStep {
   std::int64_t stamp_ns = 0;
   /// The pose of the base at every scan so far, if a loop closure or an optimisation moved it: the
   /// estimator follows it.
-  std::optional<Trajectory> correction;
+  std::optional<Trajectory> correction = {};
+  /// The pose of the base as the map of now has it, in the frame of the trajectory, if the scan was
+  /// aligned with it: the estimator is moved there.
+  std::optional<Pose2> map_from_base = {};
 };
 
 /// From scans, odometry and features to a corrected trajectory: waits for the odometry of each

@@ -58,6 +58,10 @@ public:
 
   /// The robot is there, lost or not. \throws as FastSlam::setPose()
   void setPose(const PoseWithCovariance2& map_from_base);
+  /// As FastSlam::movePose(); nothing happens while the robot is lost.
+  void movePose(const Pose2& new_from_old) {
+    if (!lost()) filter_.movePose(new_from_old);
+  }
   /// As FastSlam::followTrajectory(). Copies put aside before are of another map then: they are
   /// dropped. \throws std::runtime_error while the robot is lost, the map untouched
   Pose2 followTrajectory(const Trajectory& smoothed);
