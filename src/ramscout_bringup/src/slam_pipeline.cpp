@@ -130,10 +130,9 @@ void SlamPipeline::process(const ram_slam::OdometryStep& step) {
     return;
   }
   if (estimator_.isDue(*motion)) updateEstimator(step.scan, *motion);
-  if (const auto change = estimator_.takeTrackingChange()) {
-    mapping_.set(*change);
-    smoothing_.set(*change);
-  }
+  // In the end the smoother knows where each scan was taken, also while the estimator was lost.
+  const auto change = estimator_.takeTrackingChange();
+  if (change && !smooths()) mapping_.set(*change);
   estimator_.followCorrection();
   if (!estimator_.estimator().started()) return;
   const Pose2 map_from_base = estimator_.poseAt(*motion);

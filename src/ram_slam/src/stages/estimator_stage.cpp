@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/stages/estimator_stage.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -31,8 +32,8 @@ const ram_parameters::ParameterTable<EstimatorStageParameters>& EstimatorStagePa
                    "map_pose_")
           .expert("Motion while the odometry is interrupted")
           .add("lost_after_s", &P::lost_after_s, "s", positive(),
-               "A robot whose motion nobody knows for so long is lost: it is searched for in its "
-               "map, which stays as it is meanwhile.")
+               "A robot is lost when readings come for so long without a known motion; pauses of "
+               "the readings themselves, beyond longest_pause_s, do not count.")
           .section("gap_bridge", &P::gap_bridge, GapBridgeParameters::table());
   return table;
 }
@@ -50,6 +51,8 @@ void EstimatorStage::reset() {
   estimator_ = make_();
   motion_.forget();
   bridges_ = false;
+  bridged_ns_ = 0;
+  without_motion_s_ = 0.0;
   correction_.reset();
   map_poses_.clear();
   map_from_smoothed_.reset();
@@ -86,8 +89,12 @@ void EstimatorStage::bridgeGap(std::int64_t stamp_ns, const std::optional<Pose2>
   drops_.add(DropReason::kNoMotion, stamp_ns, missing_motion_);
   motion_.interruptedUntil(stamp_ns, moved);
   bridges_ = true;
-  const double gap_s = 1e-9 * static_cast<double>(stamp_ns - estimator_->stamp_ns());
-  if (estimator_->started() && !moved && gap_s > parameters_.lost_after_s && !estimator_->isLost())
+  const std::int64_t before_ns = std::max(bridged_ns_, estimator_->stamp_ns());
+  const double since_s = 1e-9 * static_cast<double>(stamp_ns - before_ns);
+  bridged_ns_ = stamp_ns;
+  if (moved || !estimator_->started()) return;
+  if (since_s <= parameters_.longest_pause_s) without_motion_s_ += since_s;
+  if (without_motion_s_ > parameters_.lost_after_s && !estimator_->isLost())
     estimator_->forgetPose();
 }
 
@@ -115,6 +122,7 @@ bool EstimatorStage::update(const FeatureList& features,
   }
   motion_.forget();
   bridges_ = false;
+  without_motion_s_ = 0.0;
   return true;
 }
 

@@ -30,32 +30,21 @@ void SmoothingStage::restart() {
   smoother_ = MapSmoother(parameters_, matchers_);
   smoother_.load(loaded_);
   gate_ = TrackingGate(!loaded_.empty());
-  lost_.reset();
   found_.reset();
   smoothed_from_odom_ = {};
 }
 
 void SmoothingStage::set(const Tracking& tracking) {
-  if (tracking.is_lost) {
-    lost_ = tracking;
-    found_.reset();
-  } else if (gate_.isLost()) {
-    found_ = tracking;
-  }
+  if (!gate_.isLost() || tracking.is_lost) return;
+  found_ = tracking;
   gate_.set(tracking);
-}
-
-Pose2 SmoothingStage::smoothedFromMap() const {
-  if (!lost_) return {};
-  const std::optional<Pose2> smoothed = poseAt(smoother_.trajectory(), lost_->certain_until_ns);
-  return smoothed ? *smoothed * lost_->map_from_base.inverse() : Pose2{};
 }
 
 Pose2 SmoothingStage::aligned(const Pose2& odom_from_base) {
   if (found_) {
     const std::optional<Pose2> odom_from_found = scans_.odometryOf(found_->certain_until_ns);
     const Pose2 at_found = odom_from_found ? *odom_from_found : odom_from_base;
-    smoothed_from_odom_ = smoothedFromMap() * found_->map_from_base * at_found.inverse();
+    smoothed_from_odom_ = found_->map_from_base * at_found.inverse();
     smoother_.startSession();
     found_.reset();
   }

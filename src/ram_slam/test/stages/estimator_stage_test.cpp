@@ -256,8 +256,15 @@ TEST_F(EstimatorStageTest, ARobotWhoseMotionNobodyKnowsForTenSecondsIsLost) {
   EXPECT_FALSE(stage_->estimator().isLost());
   stage_->bridgeGap(12 * kSecond, Pose2{1.0, 0.0, 0.0});
   EXPECT_FALSE(stage_->estimator().isLost()) << "its wheels are known from elsewhere";
-  read(12 * kSecond);
+  read(13 * kSecond);
   EXPECT_TRUE(stage_->estimator().isLost());
+}
+
+TEST_F(EstimatorStageTest, ARobotIsNotLostBecauseARecordingPaused) {
+  read(kSecond);
+  model_.known_from_ns = 100 * kSecond;
+  EXPECT_FALSE(read(90 * kSecond));
+  EXPECT_FALSE(stage_->estimator().isLost());
 }
 
 TEST_F(EstimatorStageTest, AReadingAfterAGapIsTakenInHoweverLittleTheRobotMoved) {

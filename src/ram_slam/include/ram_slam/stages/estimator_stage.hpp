@@ -21,7 +21,7 @@ struct EstimatorStageParameters {
   double minimum_distance_m = 0.0;
   double minimum_angle_rad = 0.0;
   double longest_pause_s = 10.0;
-  double lost_after_s = 10.0;  ///< without any motion
+  double lost_after_s = 10.0;  ///< of readings without any motion
   /// A pose measured in the smoother's map is not believed if it is farther from the estimator's.
   MotionGate map_pose{0.5, 0.2};
   GapBridgeParameters gap_bridge;
@@ -104,6 +104,8 @@ private:
   std::string missing_motion_;
   std::int64_t reached_ns_ = 0;  ///< stamp of the newest reading whose motion was known
   bool bridges_ = false;
+  std::int64_t bridged_ns_ = 0;    ///< stamp of the newest reading without a known motion
+  double without_motion_s_ = 0.0;  ///< how long readings have come without any motion
   std::optional<Trajectory> correction_;
   std::deque<StampedPose2> map_poses_;
   std::optional<Pose2> map_from_smoothed_;  ///< none before the first measured pose

@@ -39,8 +39,9 @@ public:
   void addOdometry(const StampedPose2& odom_from_base) { scans_.add(odom_from_base); }
   void addFeatures(const FeatureList& list) { smoother_.addFeatures(list); }
 
-  /// The robot came to be lost, or was found. What a lost robot sees is left out; from where it was
-  /// found another session begins.
+  /// The robot came to be lost, or was found. In a loaded map nothing is taken in before the robot
+  /// was found there. After that scans are taken in whether the estimator is lost or not: whether
+  /// the robot was carried is decided by the scans themselves (JumpSearch).
   void set(const Tracking& tracking);
 
   /// Takes in the next scan whose odometry is known; nothing if it still waits.
@@ -65,13 +66,10 @@ private:
   void restart();
   /// Of the base in the frame of the smoothed trajectory, where odometry has it at a scan.
   Pose2 aligned(const Pose2& odom_from_base);
-  /// Where the base was in that frame when its pose was certain; the map frame without any scan.
-  Pose2 smoothedFromMap() const;
 
   std::vector<PlacedScan> loaded_;
   MapSmoother smoother_;
   TrackingGate gate_;
-  std::optional<Tracking> lost_;   ///< how the robot came to be lost
   std::optional<Tracking> found_;  ///< where it was found, until the next scan
   Pose2 smoothed_from_odom_;
   int reset_count_ = 0;  ///< that smoother_ has followed
