@@ -26,15 +26,18 @@ void LaserScan::validate() const {
                                 std::to_string(kMaxBeams) + " are taken");
   }
   if (!std::isfinite(angle_min_rad) || !std::isfinite(angle_increment_rad) ||
-      std::abs(angle_min_rad) > 2.0 * kMaxAngleRad ||
-      std::abs(angle_increment_rad) < kMinIncrementRad ||
-      std::abs(angle_increment_rad) > kMaxAngleRad) {
+      std::abs(angle_increment_rad) < kMinIncrementRad) {
     throw std::invalid_argument("scan with angle_min " + std::to_string(angle_min_rad) +
                                 " and angle_increment " + std::to_string(angle_increment_rad));
   }
-  const double angle_rad = std::abs(angle_increment_rad) * static_cast<double>(ranges_m.size() - 1);
+  const auto steps = static_cast<double>(std::max<std::size_t>(ranges_m.size(), 2) - 1);
+  const double angle_rad = std::abs(angle_increment_rad) * steps;
   if (angle_rad > kMaxAngleRad) {
     throw std::invalid_argument("scan over " + std::to_string(angle_rad) +
+                                " rad, more than a turn: are its angles in degrees?");
+  }
+  if (std::abs(angle_min_rad) > 2.0 * kMaxAngleRad) {
+    throw std::invalid_argument("scan that begins at " + std::to_string(angle_min_rad) +
                                 " rad, more than a turn: are its angles in degrees?");
   }
   if (!std::isfinite(time_increment_s) || time_increment_s < 0.0) {
