@@ -56,6 +56,7 @@ void EstimatorStage::reset() {
   correction_.reset();
   map_poses_.clear();
   map_from_smoothed_.reset();
+  followed_ns_ = 0;
   reached_ns_ = 0;
   ++reset_count_;
   stated_lost_.reset();
@@ -147,6 +148,7 @@ std::optional<Trajectory> EstimatorStage::followCorrection() {
 
 Trajectory EstimatorStage::follow(Trajectory smoothed) {
   map_from_smoothed_ = estimator_->followTrajectory(smoothed);
+  followed_ns_ = smoothed.back().stamp_ns;
   for (StampedPose2& stamped : smoothed) stamped.pose = *map_from_smoothed_ * stamped.pose;
   return smoothed;
 }
@@ -163,6 +165,7 @@ void EstimatorStage::addMapPose(const StampedPose2& smoothed_from_base) {
 void EstimatorStage::followMapPoses() {
   const std::deque<StampedPose2> kept = std::exchange(map_poses_, {});
   for (const StampedPose2& pose : kept) {
+    if (pose.stamp_ns <= followed_ns_) continue;  // measured in the map before that
     if (pose.stamp_ns > reached_ns_) {
       map_poses_.push_back(pose);
     } else if (estimator_->started() && !estimator_->isLost()) {

@@ -96,6 +96,16 @@ TEST_F(EstimatorStageTest, KeepsAMapPoseUntilItsReadingWasDealtWith) {
   EXPECT_NEAR(stage_->estimator().estimate().pose.x_m, 1.1, 1e-9);
 }
 
+TEST_F(EstimatorStageTest, AMapPoseFromBeforeAFollowedTrajectoryIsSuperseded) {
+  read(kSecond);
+  stage_->addMapPose({kSecond, {}});
+  read(2 * kSecond);
+  stage_->follow({{kSecond, {}}, {2 * kSecond, {1.3, 0.0, 0.0}}});
+  stage_->addMapPose({2 * kSecond, {1.0, 0.0, 0.0}});
+  stage_->followMapPoses();
+  EXPECT_NEAR(stage_->estimator().estimate().pose.x_m, 1.3, 1e-9);
+}
+
 TEST_F(EstimatorStageTest, DoesNotBelieveAMapPoseThatIsFarAway) {
   read(kSecond);
   stage_->addMapPose({kSecond, {}});

@@ -77,7 +77,7 @@ public:
   /// trajectories; a hundred at most.
   void addMapPose(const StampedPose2& smoothed_from_base);
   /// Moves the estimator to the kept poses of readings that were dealt with, unless the robot is
-  /// lost. Call before each reading.
+  /// lost or a trajectory that was followed is newer. Call before each reading.
   void followMapPoses();
 
   /// Whether the robot is lost, at the first call and when that has changed since the last one.
@@ -109,6 +109,7 @@ private:
   std::optional<Trajectory> correction_;
   std::deque<StampedPose2> map_poses_;
   std::optional<Pose2> map_from_smoothed_;  ///< none before the first measured pose
+  std::int64_t followed_ns_ = 0;  ///< newest stamp of the last trajectory that was followed
   int reset_count_ = 0;
   std::optional<bool> stated_lost_;  ///< by takeTrackingChange()
   DropCounter drops_;
