@@ -25,8 +25,8 @@ namespace ram_slam_ros {
 /// `smoothed_trajectory` out (latched): the pose of the base at every scan, whenever a correction
 /// moved the robot and on `~optimize`; `map_pose` out: the pose of the base at each key scan as the
 /// map of then has it. The estimator follows both. `~undo_closure` takes the newest accepted
-/// closure back. `smoothing_status` follows each scan. What a lost robot sees (`tracking`) is left
-/// out.
+/// closure back. `smoothing_status` follows each scan. With a loaded
+/// map nothing is taken in before the robot is found in it (`tracking`).
 class MapSmootherNode {
 public:
   /// \throws std::invalid_argument if a parameter is refused
