@@ -165,6 +165,20 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message) {
   return scan;
 }
 
+sensor_msgs::LaserScan toScanMessage(const ram_slam::LaserScan& scan) {
+  sensor_msgs::LaserScan message;
+  message.header.stamp = toTime(scan.stamp_ns);
+  message.angle_min = static_cast<float>(scan.angle_min_rad);
+  const std::size_t count = scan.ranges_m.size();
+  if (count > 0) message.angle_max = static_cast<float>(scan.bearing_rad(count - 1));
+  message.angle_increment = static_cast<float>(scan.angle_increment_rad);
+  message.time_increment = static_cast<float>(scan.time_increment_s);
+  message.range_min = scan.range_min_m;
+  message.range_max = scan.range_max_m;
+  message.ranges = scan.ranges_m;
+  return message;
+}
+
 ram_slam::Feature toFeature(const ram_slam_msgs::Feature& message) {
   ram_slam::Feature feature;
   feature.type = message.type;

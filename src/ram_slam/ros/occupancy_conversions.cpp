@@ -109,15 +109,7 @@ nav_msgs::Path toPath(const ram_slam::Trajectory& trajectory, const std::string&
 
 ram_slam_msgs::KeyScan toKeyScanMessage(const ram_slam::PlacedScan& placed) {
   ram_slam_msgs::KeyScan message;
-  message.scan.header.stamp = toTime(placed.scan.stamp_ns);
-  message.scan.angle_min = static_cast<float>(placed.scan.angle_min_rad);
-  const std::size_t count = placed.scan.ranges_m.size();
-  if (count > 0) message.scan.angle_max = static_cast<float>(placed.scan.bearing_rad(count - 1));
-  message.scan.angle_increment = static_cast<float>(placed.scan.angle_increment_rad);
-  message.scan.time_increment = static_cast<float>(placed.scan.time_increment_s);
-  message.scan.range_min = placed.scan.range_min_m;
-  message.scan.range_max = placed.scan.range_max_m;
-  message.scan.ranges = placed.scan.ranges_m;
+  message.scan = toScanMessage(placed.scan);
   message.base_from_laser = toPose2D(placed.base_from_laser);
   message.map_from_laser = toPose2D(placed.map_from_laser);
   message.last_beam = toPose2D(placed.last_beam);

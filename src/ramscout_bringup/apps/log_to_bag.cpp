@@ -78,17 +78,8 @@ public:
       bag_->write("/tf_static", stamp, transforms);
       mount_written_ = stamp;
     }
-    const ram_slam::LaserScan& scan = reading.scan;
-    sensor_msgs::LaserScan message;
-    message.header.stamp = stamp;
+    sensor_msgs::LaserScan message = ram_slam_ros::toScanMessage(reading.scan);
     message.header.frame_id = "laser";
-    message.angle_min = static_cast<float>(scan.angle_min_rad);
-    message.angle_max = static_cast<float>(scan.bearing_rad(scan.ranges_m.size() - 1));
-    message.angle_increment = static_cast<float>(scan.angle_increment_rad);
-    message.time_increment = static_cast<float>(scan.time_increment_s);
-    message.range_min = scan.range_min_m;
-    message.range_max = scan.range_max_m;
-    message.ranges = scan.ranges_m;
     bag_->write("/scan", stamp, message);
   }
 

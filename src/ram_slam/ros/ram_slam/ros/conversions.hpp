@@ -63,6 +63,8 @@ std::size_t countAtLimit(const sensor_msgs::LaserScan& message);
 /// that cannot be true counts as zero.
 /// \throws std::invalid_argument as LaserScan::validate(), or if the stamp is zero
 ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message);
+/// The same scan as it is, without a frame.
+sensor_msgs::LaserScan toScanMessage(const ram_slam::LaserScan& scan);
 
 /// A feature's position covariance must be finite, symmetric and positive definite.
 /// \throws std::invalid_argument with the reason
