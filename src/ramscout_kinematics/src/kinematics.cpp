@@ -40,8 +40,7 @@ const std::array<QuadraturePoint, 3> kQuadrature = {
 /// What an error of the motion at `start_from_here`, in the axes of `here`, is at the end of the
 /// path: G = [[cos, -sin, -(y_end - y)], [sin, cos, x_end - x], [0, 0, 1]].
 Eigen::Matrix3d errorAtEnd(const Pose2& start_from_here, const Pose2& start_from_end) {
-  Eigen::Matrix3d g = Eigen::Matrix3d::Identity();
-  g.topLeftCorner<2, 2>() = start_from_here.rotation();
+  Eigen::Matrix3d g = start_from_here.axesRotation();
   g(0, 2) = start_from_here.y_m - start_from_end.y_m;
   g(1, 2) = start_from_end.x_m - start_from_here.x_m;
   return g;
@@ -208,8 +207,7 @@ StateWithCovariance Kinematics::predictWithCovariance(const StateWithCovariance&
   f(0, size - 1) = before.y_m - after.y_m;
   f(1, size - 1) = after.x_m - before.x_m;
   end.covariance = f * start.covariance * f.transpose();
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation.topLeftCorner<2, 2>() = before.rotation();
+  const Eigen::Matrix3d rotation = before.axesRotation();
   const Eigen::Matrix3d noise = rotation * motion.covariance * rotation.transpose();
   const auto planar = planarIndices(size);
   for (std::size_t row = 0; row < 3; ++row) {

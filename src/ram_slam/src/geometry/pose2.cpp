@@ -86,8 +86,7 @@ PoseWithCovariance2 operator*(const PoseWithCovariance2& a_from_b,
   Eigen::Matrix3d f = Eigen::Matrix3d::Identity();
   f(0, 2) = -(result.pose.y_m - a_from_b.pose.y_m);
   f(1, 2) = result.pose.x_m - a_from_b.pose.x_m;
-  Eigen::Matrix3d g = Eigen::Matrix3d::Identity();
-  g.topLeftCorner<2, 2>() = a_from_b.pose.rotation();
+  const Eigen::Matrix3d g = a_from_b.pose.axesRotation();
   result.covariance =
       f * a_from_b.covariance * f.transpose() + g * b_from_c.covariance * g.transpose();
   return result;

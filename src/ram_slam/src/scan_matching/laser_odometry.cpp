@@ -16,8 +16,7 @@ namespace {
 
 /// A covariance of (x, y, yaw) turned into the axes of a frame that the first one is rotated in.
 Eigen::Matrix3d rotate(const Eigen::Matrix3d& covariance, double yaw_rad) {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(yaw_rad).toRotationMatrix();
+  const Eigen::Matrix3d rotation = Pose2{0.0, 0.0, yaw_rad}.axesRotation();
   return rotation * covariance * rotation.transpose();
 }
 

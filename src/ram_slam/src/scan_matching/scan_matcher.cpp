@@ -27,11 +27,9 @@ Equations sumReferences(const SurfaceScan& scan,
     const Pose2 reference_from_laser = reference.map_from_laser.inverse() * map_from_laser;
     const PointToLineSum sum =
         sumPointToLine(*reference.surfaces, scan, reference_from_laser, limits);
-    Eigen::Matrix3d reference_from_map_axes = Eigen::Matrix3d::Identity();
-    reference_from_map_axes.topLeftCorner<2, 2>() = reference.map_from_laser.rotation().transpose();
-    equations.information +=
-        reference_from_map_axes.transpose() * sum.information * reference_from_map_axes;
-    equations.gradient += reference_from_map_axes.transpose() * sum.gradient;
+    const Eigen::Matrix3d turn = reference.map_from_laser.axesRotation();
+    equations.information += turn * sum.information * turn.transpose();
+    equations.gradient += turn * sum.gradient;
     equations.cost_m2 += sum.cost_m2;
     equations.weight += sum.weight;
     equations.inlier_ratio = std::max(equations.inlier_ratio, sum.inlierRatio());

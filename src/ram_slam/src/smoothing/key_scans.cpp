@@ -34,13 +34,6 @@ bool seesWalls(const SurfaceScan& surfaces) {
   return 2 * surfaces.points.size() > surfaces.point_of_beam.size();
 }
 
-/// The information of a pose, turned from the axes of a frame into those of the map.
-Eigen::Matrix3d inMapAxes(const Eigen::Matrix3d& information, const Pose2& map_from_frame) {
-  Eigen::Matrix3d frame_axes = Eigen::Matrix3d::Identity();
-  frame_axes.topLeftCorner<2, 2>() = map_from_frame.rotation().transpose();
-  return frame_axes.transpose() * information * frame_axes;
-}
-
 }  // namespace
 
 const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::table() {
@@ -239,9 +232,9 @@ void KeyScans::alignNewestWithMap() {
     references.push_back({&keys_[key].surfaces, keys_[key].map_from_laser});
   if (references.empty()) return;
   const PoseEdge& motion = aligned_motion_.back();
-  const PosePrior prior{
-      newest.map_from_laser,
-      parameters_.motion_weight * inMapAxes(motion.information, keys_[motion.from].map_from_laser)};
+  const Eigen::Matrix3d turn = keys_[motion.from].map_from_laser.axesRotation();
+  const PosePrior prior{newest.map_from_laser,
+                        parameters_.motion_weight * (turn * motion.information * turn.transpose())};
   newest.map_from_laser =
       matchScan(newest.surfaces, references, prior, newest.map_from_laser, matcher_).map_from_laser;
 }

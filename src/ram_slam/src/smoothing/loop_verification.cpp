@@ -253,9 +253,8 @@ private:
     match.edge.from = query_.candidate;
     match.edge.to = query_.newest;
     match.edge.from_from_to = old_from_new;
-    Eigen::Matrix3d old_axes = Eigen::Matrix3d::Identity();
-    old_axes.topLeftCorner<2, 2>() = oldKey().map_from_laser.rotation();
-    match.edge.information = old_axes.transpose() * information * old_axes;
+    const Eigen::Matrix3d turn = oldKey().map_from_laser.axesRotation();
+    match.edge.information = turn.transpose() * information * turn;
     match.edge.may_be_false = true;
     return match;
   }

@@ -66,9 +66,8 @@ PoseGraph baseGraph(const KeyScans& key_scans, const LoopCloser& loops) {
   for (PoseEdge& edge : graph.edges) {
     edge.from_from_to = keys[edge.from].base_from_laser * edge.from_from_to *
                         keys[edge.to].base_from_laser.inverse();
-    Eigen::Matrix3d base_axes = Eigen::Matrix3d::Identity();
-    base_axes.topLeftCorner<2, 2>() = keys[edge.from].base_from_laser.rotation();
-    edge.information = base_axes * edge.information * base_axes.transpose();
+    const Eigen::Matrix3d turn = keys[edge.from].base_from_laser.axesRotation();
+    edge.information = turn * edge.information * turn.transpose();
   }
   return graph;
 }

@@ -39,6 +39,15 @@ TEST(Pose2, InverseUndoesThePose) {
   }
 }
 
+TEST(Pose2, TurnsComponentsIntoTheAxesOfTheFrameThatItIsSeenFrom) {
+  // A quarter turn: what points along x points along y; the yaw stays what it is.
+  const Eigen::Matrix3d turn = Pose2{3.0, 4.0, M_PI_2}.axesRotation();
+  EXPECT_TRUE((turn * Eigen::Vector3d(1.0, 2.0, 0.3)).isApprox(Eigen::Vector3d(-2.0, 1.0, 0.3)));
+  const Eigen::Matrix3d along_x = Eigen::Vector3d(4.0, 1.0, 9.0).asDiagonal();
+  const Eigen::Matrix3d along_y = Eigen::Vector3d(1.0, 4.0, 9.0).asDiagonal();
+  EXPECT_TRUE((turn * along_x * turn.transpose()).isApprox(along_y));
+}
+
 TEST(Pose2, ComposesAsPointsDo) {
   Random random(2);
   for (int i = 0; i < 100; ++i) {

@@ -27,6 +27,13 @@ struct Pose2 {
 
   Eigen::Vector2d translation() const { return {x_m, y_m}; }
   Eigen::Matrix2d rotation() const { return Eigen::Rotation2Dd(yaw_rad).toRotationMatrix(); }
+  /// diag(R(yaw), 1): turns (x, y, yaw), and R M R^T a covariance or information M of these, from
+  /// this frame's axes into those of the frame that the pose is seen from.
+  Eigen::Matrix3d axesRotation() const {
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+    turn.topLeftCorner<2, 2>() = rotation();
+    return turn;
+  }
   Pose2 inverse() const;
   bool isFinite() const {
     return std::isfinite(x_m) && std::isfinite(y_m) && std::isfinite(yaw_rad);
