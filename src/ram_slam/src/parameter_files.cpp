@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/parameter_files.hpp"
 
-#include "ram_slam/fast_slam/parameters.hpp"
+#include "ram_slam/estimation/estimator_registry.hpp"
 #include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
 #include "ram_slam/scan_matching/laser_odometry_parameters.hpp"
 #include "ram_slam/smoothing/landmark_smoother_parameters.hpp"
@@ -12,19 +12,25 @@
 namespace ram_slam {
 namespace {
 
-std::vector<ram_parameters::ParameterRow> fastSlamRows() {
-  std::vector<ram_parameters::ParameterRow> rows = FastSlamParameters::table().rows();
-  ram_parameters::append(rows, RecoveryParameters::table().rows(), "relocalisation");
-  ram_parameters::append(rows, FastSlamNodeParameters::table().rows(), "node");
-  return rows;
+/// One file per estimator: the same node, with other parameters.
+std::vector<ram_parameters::ParameterFile> estimatorFiles() {
+  std::vector<ram_parameters::ParameterFile> files;
+  for (const auto& [name, filter] : filters()) {
+    std::vector<ram_parameters::ParameterRow> rows = filter.rows;
+    ram_parameters::append(rows, RecoveryParameters::table().rows(), "relocalisation");
+    FastSlamNodeParameters node;
+    node.estimator = name;
+    ram_parameters::append(rows, FastSlamNodeParameters::table().rows(node), "node");
+    files.push_back({name + ".yaml", "ram_slam/fast_slam", filter.purpose, rows});
+  }
+  return files;
 }
 
 }  // namespace
 
 std::vector<ram_parameters::ParameterFile> parameterFiles() {
-  return {
-      {"fast_slam.yaml", "ram_slam/fast_slam",
-       "Motion and features in, pose and landmarks out (docs/fast_slam.md).", fastSlamRows()},
+  std::vector<ram_parameters::ParameterFile> files = estimatorFiles();
+  const std::vector<ram_parameters::ParameterFile> others = {
       {"landmark_smoother.yaml", "ram_slam/landmark_smoother",
        "All features of a run and the estimator's result in, landmarks and a trajectory that agree "
        "with all of them out.",
@@ -39,6 +45,8 @@ std::vector<ram_parameters::ParameterFile> parameterFiles() {
        "Draws the occupancy map: which cells the scans saw free, and in which they hit "
        "something.",
        OccupancyMapperParameters::table().rows()}};
+  files.insert(files.end(), others.begin(), others.end());
+  return files;
 }
 
 }  // namespace ram_slam

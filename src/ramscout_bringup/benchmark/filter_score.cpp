@@ -11,7 +11,7 @@
 #include <utility>
 
 #include <Eigen/LU>
-#include <ram_slam/estimation/fast_slam_estimator.hpp>
+#include <ram_slam/estimation/tracked_estimator.hpp>
 #include <ram_slam/geometry/median.hpp>
 #include <ram_slam/stages/smoothing_stage.hpp>
 #include <ramscout_kinematics/kinematics.hpp>
@@ -46,8 +46,8 @@ Eigen::Vector2d medianPlace(const std::vector<Sighting>& sightings) {
 ram_slam::EstimatorFactory estimatorFactory(const SlamParameters& parameters, Judged judged) {
   ram_slam::RecoveryParameters recovery = parameters.recovery;
   if (judged == Judged::kFilter) recovery.enabled = false;
-  return [=, filter = parameters.fast_slam] {
-    return std::make_unique<ram_slam::FastSlamEstimator>(filter, recovery, featureMatchers());
+  return [=, filter = parameters.filter] {
+    return std::make_unique<ram_slam::TrackedEstimator>(filter, recovery, featureMatchers());
   };
 }
 
@@ -134,12 +134,12 @@ private:
   }
 
   const ram_slam::Tracker& slam() const {
-    return static_cast<const ram_slam::FastSlamEstimator&>(stage_.estimator()).slam();
+    return static_cast<const ram_slam::TrackedEstimator&>(stage_.estimator()).slam();
   }
 
   void rememberLandmarks() {
     for (const ram_slam::LandmarkEstimate& landmark : slam().filter().landmarks().landmarks) {
-      if (landmark.existence_log_odds >= parameters_.fast_slam.confirm_log_odds)
+      if (landmark.existence_log_odds >= slam().filter().confirm_log_odds())
         known_at_half_.push_back(landmark.id);
     }
   }
@@ -159,7 +159,7 @@ private:
     score.false_matches =
         static_cast<double>(wrong) / static_cast<double>(std::max<std::size_t>(matches, 1));
     for (const ram_slam::LandmarkEstimate& landmark : slam().filter().landmarks().landmarks) {
-      if (landmark.existence_log_odds < parameters_.fast_slam.confirm_log_odds) continue;
+      if (landmark.existence_log_odds < slam().filter().confirm_log_odds()) continue;
       ++score.landmarks;
       const auto found = places.find(landmark.id);
       if (found != places.end() && isInFreeSpace(found->second)) ++score.in_free_space;

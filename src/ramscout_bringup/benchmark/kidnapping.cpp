@@ -118,12 +118,11 @@ std::string KidnappedRobot::mapBytes() const {
   const auto append = [&bytes](const double* values, std::size_t count) {
     bytes.append(reinterpret_cast<const char*>(values), count * sizeof(double));
   };
-  for (const ram_slam::Particle& particle : slam().filter().particles()) {
-    particle.landmarks.forEach([&](ram_slam::LandmarkId, const ram_slam::Landmark& landmark) {
-      append(landmark.mean_m.data(), 2);
-      append(landmark.covariance_m2.data(), 4);
-    });
-  }
+  slam().filter().best().landmarks.forEach(
+      [&](ram_slam::LandmarkId, const ram_slam::Landmark& landmark) {
+        append(landmark.mean_m.data(), 2);
+        append(landmark.covariance_m2.data(), 4);
+      });
   for (const ram_slam::LandmarkRecord& record : slam().filter().registry().records())
     append(&record.existence_log_odds, 1);
   return bytes;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <ram_slam/estimation/fast_slam_estimator.hpp>
+#include <ram_slam/estimation/tracked_estimator.hpp>
 
 #include "ramscout_bringup/slam_pipeline.hpp"
 
@@ -54,7 +54,7 @@ private:
   void step(ramscout_sim::TourDriver& driver);
   void estimate(const ram_slam::OdometryStep& refined);
   const ram_slam::Tracker& slam() const {
-    return static_cast<const ram_slam::FastSlamEstimator&>(stage_.estimator()).slam();
+    return static_cast<const ram_slam::TrackedEstimator&>(stage_.estimator()).slam();
   }
   ramscout_sim::Tour tourFrom(double way_m, double side_m, bool back) const;
   /// Where the robot is in a map that is bent a little: from the nearest place of the mapping tour.

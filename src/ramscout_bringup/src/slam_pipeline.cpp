@@ -63,8 +63,13 @@ SlamParameters readSlamParameters(const std::string& folder, const std::string& 
   parameters.estimator = readFile(folder, estimator, [&](ram_parameters::ParameterReader& reader) {
     return ram_slam::findEstimator(estimator)(reader, featureMatchers());
   });
-  parameters.fast_slam = readFile(folder, "fast_slam", ram_slam::readFastSlamParameters);
-  parameters.recovery = readFile(folder, "fast_slam", ram_slam::readRecoveryParameters);
+  const auto filter = ram_slam::filters().find(estimator);
+  if (filter != ram_slam::filters().end()) {
+    parameters.filter = readFile(folder, estimator, [&](ram_parameters::ParameterReader& reader) {
+      return filter->second.read(reader, featureMatchers());
+    });
+    parameters.recovery = readFile(folder, estimator, ram_slam::readRecoveryParameters);
+  }
   parameters.map_smoother = readFile(folder, "map_smoother", ram_slam::readMapSmootherParameters);
   parameters.occupancy_mapper =
       readFile(folder, "occupancy_mapper", ram_slam::readOccupancyMapperParameters);

@@ -76,7 +76,7 @@ BENCHMARK(update)->Arg(5)->Arg(100)->Unit(benchmark::kMicrosecond)->Iterations(2
 /// argument 1 what the writing thread does, but for the disk.
 void checkpoint(benchmark::State& state) {
   const Crawl fast(0.1);
-  Tracker slam{FastSlamParameters{}, RecoveryParameters{}};
+  Tracker slam{fastSlamFactory(FastSlamParameters{}), RecoveryParameters{}};
   Random random(1);
   std::int64_t stamp_ns = 1;
   for (double x_m = 0.0; slam.filter().best().landmarks.size() < 1000; ++stamp_ns, x_m += 0.1)

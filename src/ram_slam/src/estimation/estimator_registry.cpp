@@ -1,24 +1,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/estimation/estimator_registry.hpp"
 
-#include <map>
 #include <stdexcept>
 #include <utility>
 
-#include "ram_slam/estimation/fast_slam_estimator.hpp"
+#include "ram_slam/estimation/tracked_estimator.hpp"
+#include "ram_slam/fast_slam/fast_slam.hpp"
 
 namespace ram_slam {
 namespace {
 
-/// One line per estimator.
-std::map<std::string, EstimatorReader>& estimators() {
-  static std::map<std::string, EstimatorReader> all{
-      {"fast_slam", readFastSlamEstimator},
+using ram_parameters::ParameterReader;
+
+/// The filter with recovery.
+EstimatorReader tracked(const FilterEntry& filter) {
+  return [&filter](ParameterReader& reader, const FeatureMatchers& matchers) -> EstimatorFactory {
+    const RecoveryParameters recovery = readRecoveryParameters(reader);
+    return [make = filter.read(reader, matchers), recovery, matchers] {
+      return std::make_unique<TrackedEstimator>(make, recovery, matchers);
+    };
   };
+}
+
+std::map<std::string, EstimatorReader>& estimators() {
+  static std::map<std::string, EstimatorReader> all = [] {
+    std::map<std::string, EstimatorReader> readers;
+    for (const auto& [name, filter] : filters()) readers[name] = tracked(filter);
+    return readers;
+  }();
   return all;
 }
 
 }  // namespace
+
+/// One line per filter.
+const std::map<std::string, FilterEntry>& filters() {
+  static const std::map<std::string, FilterEntry> all{
+      {"fast_slam", fastSlamEntry()},
+  };
+  return all;
+}
 
 void registerEstimator(const std::string& name, EstimatorReader read) {
   estimators()[name] = std::move(read);

@@ -85,7 +85,7 @@ void FastSlam::setPose(const PoseWithCovariance2& map_from_base, std::int64_t st
   stamp_ns_ = stamp_ns;
 }
 
-void FastSlam::setMap(const LandmarkMap& map, const std::vector<StampedPose2>& path) {
+void FastSlam::setMap(const LandmarkMap& map, const Trajectory& path) {
   validate(path);
   LandmarkRegistry registry;
   LandmarkTree landmarks;
@@ -255,6 +255,18 @@ void FastSlam::rate(const Evidence& evidence) {
       (1.0 - parameters_.quality_memory) * (innovation - quality_.normalised_innovation);
 }
 
+std::vector<Pose2> FastSlam::hypotheses() const {
+  std::vector<Pose2> poses;
+  for (const Particle& particle : particles_) poses.push_back(particle.proposal.pose);
+  return poses;
+}
+
+std::vector<std::pair<std::string, double>> FastSlam::health() const {
+  return {{"features matched recently", quality_.matched_fraction},
+          {"normalised innovation", quality_.normalised_innovation},
+          {"effective particles", quality_.effective_fraction}};
+}
+
 LandmarkMap FastSlam::landmarks() const {
   LandmarkMap map =
       summarise(registry_, best(), particles_, weightsOf(particles_), parameters_.summary);
@@ -289,6 +301,21 @@ std::size_t FastSlam::landmarkBytes() const {
   std::size_t sum = 0;
   for (const Particle& particle : particles_) sum += particle.landmarks.bytes(seen);
   return sum;
+}
+
+LandmarkFilterFactory fastSlamFactory(const FastSlamParameters& parameters,
+                                      FeatureMatchers matchers) {
+  return [parameters, matchers = std::move(matchers)] {
+    return std::make_unique<FastSlam>(parameters, matchers);
+  };
+}
+
+FilterEntry fastSlamEntry() {
+  return {"Motion and features in, pose and landmarks out (docs/fast_slam.md).",
+          [](ram_parameters::ParameterReader& reader, FeatureMatchers matchers) {
+            return fastSlamFactory(readFastSlamParameters(reader), std::move(matchers));
+          },
+          FastSlamParameters::table().rows()};
 }
 
 }  // namespace ram_slam

@@ -26,15 +26,15 @@ bool isCertain(const PoseWithCovariance2& motion, const TrackingParameters& para
 
 }  // namespace
 
-Tracker::Tracker(const FastSlamParameters& filter,
+Tracker::Tracker(LandmarkFilterFactory make,
                  const RecoveryParameters& recovery,
                  FeatureMatchers matchers)
-    : filter_parameters_(filter),
+    : make_(std::move(make)),
       parameters_((recovery.validate(), recovery)),
       matchers_(std::move(matchers)),
-      filter_(filter, matchers_),
+      filter_(make_()),
       map_views_(recovery.map_views),
-      monitor_(recovery.monitor, recovery.map_views, filter.confirm_log_odds) {}
+      monitor_(recovery.monitor, recovery.map_views, filter_->confirm_log_odds()) {}
 
 void Tracker::update(const FeatureList& features,
                      const MotionModel& model,
@@ -50,12 +50,12 @@ void Tracker::update(const FeatureList& features,
   const PoseWithCovariance2& moved = step.motion;
   const FeatureList list = deskew(features, moved.pose, features.stamp_ns - stamp_ns_);
   if (lost()) {
-    filter_.check(list);
+    filter_->check(list);
     if (list.stamp_ns < stamp_ns_) {
       throw std::invalid_argument("features are older than those before");
     }
   } else {
-    filter_.update(list, step, view.get());
+    filter_->update(list, step, view.get());
   }
   // From here on nothing fails.
   stamp_ns_ = list.stamp_ns;
@@ -75,9 +75,9 @@ void Tracker::track(const FeatureList& list, const Pose2& moved, const TrackedVi
     probation->remaining_m -= moved.translation().norm();
   // What was learned since the last certain moment proves nothing: a wrong pose agrees with itself.
   const FilterCopy* certain = oldestCopy();
-  const LandmarkRegistry& registry = (certain == nullptr ? filter_ : certain->filter).registry();
-  const Pose2 here = filter_.estimate().pose;
-  switch (monitor_.check({list, now.view.get(), filter_.best(), registry},
+  const LandmarkRegistry& registry = (certain == nullptr ? *filter_ : *certain->filter).registry();
+  const Pose2 here = filter_->estimate().pose;
+  switch (monitor_.check({list, now.view.get(), filter_->best(), registry},
                          {now, here, path_m_, poseSource()}, map_views_)) {
     case PoseMonitor::Finding::kConsistent:
       keep(now);
@@ -112,8 +112,8 @@ void Tracker::keep(const TrackedView& now) {
       copies.push_back(copyOfNow());
     }
   }
-  if (std::holds_alternative<Tracked>(state_) && !filter_.isMapFixed())
-    map_views_.add(stamp_ns_, filter_.estimate().pose, path_m_, now.view);
+  if (std::holds_alternative<Tracked>(state_) && !filter_->isMapFixed())
+    map_views_.add(stamp_ns_, filter_->estimate().pose, path_m_, now.view);
   monitor_.add(now);
 }
 
@@ -194,7 +194,7 @@ void Tracker::transition(TrackingEvent event, const PoseWithCovariance2& pose) {
       state_ = Probation{moveTo(pose), PoseSource::kMap, probation_m};
       break;
     case TrackingEvent::kPoseSetBeforeStart:
-      filter_.setPose(pose);
+      filter_->setPose(pose);
       state_ = Tracked{};
       break;
     case TrackingEvent::kCarriedAway:
@@ -213,10 +213,10 @@ void Tracker::transition(TrackingEvent event, const PoseWithCovariance2& pose) {
 }
 
 FilterCopy Tracker::moveTo(const PoseWithCovariance2& map_from_base) {
-  map_views_.follow(filter_.trajectory());
+  map_views_.follow(filter_->trajectory());
   map_views_.trustMap(path_m_);
-  FastSlam moved = filter_;
-  moved.setPose(map_from_base, stamp_ns_);
+  std::unique_ptr<LandmarkFilter> moved = filter_->clone();
+  moved->setPose(map_from_base, stamp_ns_);
   FilterCopy before{std::exchange(filter_, std::move(moved)), map_from_base.pose, local_from_base_,
                     stamp_ns_};
   monitor_.clear();
@@ -227,7 +227,7 @@ FilterCopy Tracker::moveTo(const PoseWithCovariance2& map_from_base) {
 FilterCopy Tracker::correctTo(const PoseWithCovariance2& map_from_base) {
   const FilterCopy* oldest = oldestCopy();
   FilterCopy before = oldest == nullptr ? copyOfNow() : *oldest;
-  filter_.setPose(map_from_base, stamp_ns_);
+  filter_->setPose(map_from_base, stamp_ns_);
   monitor_.clear();
   return before;
 }
@@ -235,14 +235,14 @@ FilterCopy Tracker::correctTo(const PoseWithCovariance2& map_from_base) {
 Lost Tracker::loseTrack(LostReason reason) {
   // A caller who wants the pose forgotten does not state that the map is wrong.
   const bool requested = reason == LostReason::kRequested;
-  Pose2 map_from_base = filter_.estimate().pose;
+  Pose2 map_from_base = filter_->estimate().pose;
   StampedPose2 certain{stamp_ns_, map_from_base};
   if (const FilterCopy* before = requested ? nullptr : oldestCopy()) {
     map_from_base = before->map_from_base * before->local_from_base.inverse() * local_from_base_;
     certain = {before->stamp_ns, before->map_from_base};
-    filter_ = before->filter;
+    filter_ = before->filter->clone();
   }
-  map_views_.follow(filter_.trajectory());
+  map_views_.follow(filter_->trajectory());
   std::optional<TrackedView> view_before;
   if (reason == LostReason::kDiscontinuity) view_before = monitor_.oldestView();
   monitor_.clear();
@@ -266,7 +266,7 @@ Lost Tracker::interrupted(const Lost& lost) const {
 }
 
 FilterCopy Tracker::copyOfNow() const {
-  return {filter_, filter_.estimate().pose, local_from_base_, stamp_ns_};
+  return {filter_->clone(), filter_->estimate().pose, local_from_base_, stamp_ns_};
 }
 
 const FilterCopy* Tracker::oldestCopy() const {
@@ -277,10 +277,10 @@ const FilterCopy* Tracker::oldestCopy() const {
 
 Constellation Tracker::mapConstellation() const {
   Constellation map;
-  for (const LandmarkEstimate& estimate : filter_.landmarks().landmarks) {
-    if (estimate.existence_log_odds < filter_parameters_.confirm_log_odds) continue;
+  for (const LandmarkEstimate& estimate : filter_->landmarks().landmarks) {
+    if (estimate.existence_log_odds < filter_->confirm_log_odds()) continue;
     map.push_back({estimate.type, estimate.mean_m, estimate.covariance_m2,
-                   filter_.registry().find(estimate.id)->descriptors, estimate.orientation_rad,
+                   filter_->registry().find(estimate.id)->descriptors, estimate.orientation_rad,
                    estimate.orientation_variance_rad2});
   }
   return map;
@@ -298,7 +298,7 @@ StampedPose2 Tracker::certainPose() const {
 
 PoseWithCovariance2 Tracker::estimate() const {
   const auto* lost = std::get_if<Lost>(&state_);
-  if (lost == nullptr) return filter_.estimate();
+  if (lost == nullptr) return filter_->estimate();
   return withSigma(lost->map_from_base, parameters_.tracking.lost_sigma_m,
                    parameters_.tracking.lost_sigma_rad);
 }
@@ -310,43 +310,43 @@ void Tracker::setPose(const PoseWithCovariance2& map_from_base) {
 
 Pose2 Tracker::followTrajectory(const Trajectory& smoothed) {
   if (lost()) throw std::runtime_error("the robot is lost: its map stays as it is");
-  if (filter_.isMapFixed()) throw std::runtime_error("the map is fixed");
-  const Pose2 map_from_smoothed = filter_.followTrajectory(smoothed);
-  map_views_.follow(filter_.trajectory());
+  if (filter_->isMapFixed()) throw std::runtime_error("the map is fixed");
+  const Pose2 map_from_smoothed = filter_->followTrajectory(smoothed);
+  map_views_.follow(filter_->trajectory());
   monitor_.clearMapEvidence();
   transition(TrackingEvent::kTrajectoryFollowed);
   return map_from_smoothed;
 }
 
 void Tracker::forgetPose() {
-  if (!parameters_.enabled || filter_.registry().records().empty()) return;
+  if (!parameters_.enabled || filter_->registry().records().empty()) return;
   transition(TrackingEvent::kPoseForgotten);
 }
 
 void Tracker::setMap(const LandmarkMap& map, const std::vector<PlacedView>& views) {
-  filter_.setMap(map);
+  filter_->setMap(map, {});
   map_views_.clear();
   for (const PlacedView& view : views) map_views_.addLoaded(view);
   forgetPose();
 }
 
 Checkpoint Tracker::checkpoint() const {
-  Checkpoint kept{filter_.landmarks(), filter_.trajectory()};
+  Checkpoint kept{filter_->landmarks(), filter_->trajectory()};
   kept.map.stamp_ns = stamp_ns_;
   while (!kept.path.empty() && kept.path.back().stamp_ns >= stamp_ns_) kept.path.pop_back();
-  if (!lost()) kept.path.push_back({stamp_ns_, filter_.estimate().pose});
+  if (!lost()) kept.path.push_back({stamp_ns_, filter_->estimate().pose});
   kept.path = thinned(kept.path, parameters_.tracking.checkpoint_step);
   return kept;
 }
 
 void Tracker::restore(const Checkpoint& checkpoint) {
-  Tracker restored(filter_parameters_, parameters_, matchers_);
-  restored.filter_.setMap(checkpoint.map, checkpoint.path);
-  if (filter_.isMapFixed()) restored.fixMap();
+  Tracker restored(make_, parameters_, matchers_);
+  restored.filter_->setMap(checkpoint.map, checkpoint.path);
+  if (filter_->isMapFixed()) restored.fixMap();
   const PoseWithCovariance2 pose =
       withSigma(checkpoint.path.empty() ? Pose2{} : checkpoint.path.back().pose,
                 parameters_.tracking.restored_sigma_m, parameters_.tracking.restored_sigma_rad);
-  restored.filter_.setPose(pose, checkpoint.map.stamp_ns);
+  restored.filter_->setPose(pose, checkpoint.map.stamp_ns);
   restored.stamp_ns_ = checkpoint.map.stamp_ns;
   if (parameters_.enabled) restored.transition(TrackingEvent::kPoseSet, pose);
   if (checkpoint.isLost()) restored.forgetPose();

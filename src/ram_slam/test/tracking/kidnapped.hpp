@@ -9,6 +9,7 @@
 
 #include <gmock/gmock.h>
 
+#include "ram_slam/fast_slam/fast_slam.hpp"
 #include "ram_slam/tracking/tracker.hpp"
 
 #include "../scan_matching/walls.hpp"
@@ -54,7 +55,7 @@ protected:
                                           {5.0, 6.0}, {2.0, 6.0},  {2.0, 3.0},  {0.0, 3.0}};
   Walls walls_ = outline(corners_m_);
   ExactOdometry odometry_;
-  Tracker slam_{FastSlamParameters{}, RecoveryParameters{}};
+  Tracker slam_{fastSlamFactory(FastSlamParameters{}), RecoveryParameters{}};
   Pose2 truth_{1.0, 1.5, 0.0};
   const Pose2 start_ = truth_;
 
@@ -109,7 +110,7 @@ protected:
       odometry_.move({kStep_m, 0.0, 0.0});
       truth_ = truth_ * Pose2{kStep_m, 0.0, 0.0};
     }
-    Tracker other{FastSlamParameters{}, RecoveryParameters{}};
+    Tracker other{fastSlamFactory(FastSlamParameters{}), RecoveryParameters{}};
     other.restore(checkpointFromBytes(checkpoint));
     slam_ = std::move(other);
   }

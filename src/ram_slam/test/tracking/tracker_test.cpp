@@ -5,6 +5,8 @@
 
 #include <gmock/gmock.h>
 
+#include "ram_slam/fast_slam/fast_slam.hpp"
+
 #include "kidnapped.hpp"
 
 namespace ram_slam {
@@ -217,7 +219,7 @@ TEST_F(Kidnapped, FindsItsPlaceByTheViewsOfALoadedMapAndLeavesTheMapAsItIs) {
                                                    scanWalls(walls_, place, 1, laser), Pose2{})});
   }
   const LandmarkMap map = slam_.filter().landmarks();
-  slam_ = Tracker(FastSlamParameters{}, RecoveryParameters{});
+  slam_ = Tracker(fastSlamFactory(FastSlamParameters{}), RecoveryParameters{});
   odometry_ = {};
   slam_.setMap(map, views);
   slam_.fixMap();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ram_slam/estimation/estimator_registry.hpp"
-#include "ram_slam/fast_slam/parameters.hpp"
+#include "ram_slam/fast_slam/landmark_filter.hpp"
 #include "ram_slam/occupancy/occupancy_mapper_parameters.hpp"
 #include "ram_slam/scan_matching/laser_odometry.hpp"
 #include "ram_slam/smoothing/map_smoother.hpp"
@@ -32,8 +32,9 @@ struct SlamParameters {
   /// By which the variance of the motion is larger for wheels alone than for refined odometry.
   double wheels_noise_factor = 1000.0;
   ram_slam::EstimatorFactory estimator;
-  ram_slam::FastSlamParameters fast_slam;  ///< for tools that look into FastSLAM
-  ram_slam::RecoveryParameters recovery;   ///< likewise
+  /// For tools that look into the filter; none if the estimator is of another package.
+  ram_slam::LandmarkFilterFactory filter;
+  ram_slam::RecoveryParameters recovery;  ///< likewise
   ram_slam::EstimatorStageParameters estimator_stage;
   ram_slam::MapSmootherParameters map_smoother;
   ram_slam::OccupancyMapperParameters occupancy_mapper;

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_slam/estimation/estimator.hpp"
+#include "ram_slam/fast_slam/landmark_filter.hpp"
 #include "ram_slam/landmarks/feature_matcher.hpp"
 
 namespace ram_slam {
@@ -37,5 +39,9 @@ const EstimatorReader& findEstimator(const std::string& name);
 
 /// In alphabetical order.
 std::vector<std::string> estimatorNames();
+
+/// The filters of this package, by name: the estimator of that name is the filter with recovery
+/// (Tracker), and reads config/<name>.yaml.
+const std::map<std::string, FilterEntry>& filters();
 
 }  // namespace ram_slam

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ram_slam/fast_slam/association.hpp"
+#include "ram_slam/fast_slam/landmark_filter.hpp"
 #include "ram_slam/fast_slam/landmark_registry.hpp"
 #include "ram_slam/fast_slam/landmark_tree.hpp"
 #include "ram_slam/fast_slam/map_drift.hpp"
@@ -42,7 +43,7 @@ struct FastSlamQuality {
 /// docs/fast_slam.md relates equations and functions. Knows neither robot nor sensor: the motion
 /// comes from a MotionModel, what a sensor saw from a FeatureList, what it would have seen from a
 /// FieldOfView. Deterministic: the same input gives the same bytes.
-class FastSlam {
+class FastSlam : public LandmarkFilter {
 public:
   /// \param map_from_base  where the robot is at the first list
   /// \throws std::invalid_argument as FastSlamParameters::validate(), or if the pose or its
@@ -51,62 +52,54 @@ public:
                     FeatureMatchers matchers = {},
                     const PoseWithCovariance2& map_from_base = {});
 
-  /// Takes in the features of one reading, moving the robot to its stamp first. If it throws
-  /// nothing has changed.
-  /// \param step  the motion since stamp_ns(), anything before the first list
-  /// \param view  what the sensor could have seen in that reading; without it no landmark is found
-  /// missing
-  /// \throws std::invalid_argument if the list is older than the last one, or a feature is not
-  /// finite or its covariance not symmetric and positive definite
-  /// \throws std::out_of_range as MotionModel::sample() (fast_slam_1)
-  void update(const FeatureList& list, const MotionStep& step, const FieldOfView* view = nullptr);
+  std::unique_ptr<LandmarkFilter> clone() const override {
+    return std::make_unique<FastSlam>(*this);
+  }
+
+  /// \throws also std::out_of_range as MotionModel::sample() (fast_slam_1)
+  void update(const FeatureList& list,
+              const MotionStep& step,
+              const FieldOfView* view = nullptr) override;
   /// The same, asking the model for the motion. \throws std::out_of_range as MotionModel::motion()
   void update(const FeatureList& list, const MotionModel& model, const FieldOfView* view = nullptr);
 
-  /// \throws std::invalid_argument if update() would because of this list
-  void check(const FeatureList& list) const;
+  void check(const FeatureList& list) const override;
 
-  bool started() const { return stamp_ns_ != 0; }
-  std::int64_t stamp_ns() const { return stamp_ns_; }
+  std::int64_t stamp_ns() const override { return stamp_ns_; }
 
   /// Mean over all particles and what each of them was sampled from, at stamp_ns(). The covariance
   /// is that of the pose in the frame of the start: the mixture's, or MapDrift's if that is more,
   /// and SharedError (fast_slam_2).
-  const PoseWithCovariance2& estimate() const { return estimate_; }
-  /// The path of the best particle, oldest pose first.
-  std::vector<StampedPose2> trajectory() const { return particles_[best_].path.poses(); }
+  const PoseWithCovariance2& estimate() const override { return estimate_; }
+  /// The path of the best particle.
+  Trajectory trajectory() const override { return particles_[best_].path.poses(); }
   /// The landmarks that the best particle holds, each averaged over all particles that hold it.
-  LandmarkMap landmarks() const;
+  LandmarkMap landmarks() const override;
   const std::vector<Particle>& particles() const { return particles_; }
-  const Particle& best() const { return particles_[best_]; }
+  const Particle& best() const override { return particles_[best_]; }
   const FastSlamQuality& quality() const { return quality_; }
-  /// What the best particle took the features of the last list for, one each.
-  const std::vector<Association>& associations() const { return associations_; }
+  /// As the best particle has them.
+  const std::vector<Association>& associations() const override { return associations_; }
   /// What all particles know alike about the landmarks.
-  const LandmarkRegistry& registry() const { return registry_; }
+  const LandmarkRegistry& registry() const override { return registry_; }
+  double confirm_log_odds() const override { return parameters_.confirm_log_odds; }
+  /// The poses of all particles.
+  std::vector<Pose2> hypotheses() const override;
+  std::vector<std::pair<std::string, double>> health() const override;
 
   /// The robot is there, whatever the filter thought; the best particle's map is kept.
-  /// \throws std::invalid_argument if the pose is not finite or the covariance not symmetric
-  /// positive semi-definite
-  void setPose(const PoseWithCovariance2& map_from_base);
-  /// The robot is there at that stamp, however it got there. \throws std::invalid_argument as
-  /// above, or if the stamp is older than stamp_ns()
-  void setPose(const PoseWithCovariance2& map_from_base, std::int64_t stamp_ns);
+  void setPose(const PoseWithCovariance2& map_from_base) override;
+  void setPose(const PoseWithCovariance2& map_from_base, std::int64_t stamp_ns) override;
 
   /// Moves the newest pose of all particles to new_from_old * pose, in the same maps: an error that
   /// all of them share was measured otherwise.
-  void movePose(const Pose2& new_from_old);
+  void movePose(const Pose2& new_from_old) override;
 
-  /// Replaces the map by one learned before, the same for all particles, and the path by the one
-  /// from which it was learned, if that is known. The pose stays.
-  /// \throws std::invalid_argument if a landmark is not finite, its covariance not symmetric and
-  /// positive definite, the landmarks are not in the order of their identifiers, or as
-  /// validate(Trajectory); nothing has changed then
-  void setMap(const LandmarkMap& map, const std::vector<StampedPose2>& path = {});
+  /// The map and the path are the same for all particles.
+  void setMap(const LandmarkMap& map, const Trajectory& path = {}) override;
 
-  /// From now on only the pose is estimated: no landmark is added, changed or removed.
-  void fixMap() { is_map_fixed_ = true; }
-  bool isMapFixed() const { return is_map_fixed_; }
+  void fixMap() override { is_map_fixed_ = true; }
+  bool isMapFixed() const override { return is_map_fixed_; }
 
   /// Bends the map so that the robot came along the corrected trajectory, as a smoother found it:
   /// each landmark moves with the pose from which it was first seen, the particles with the newest
@@ -117,7 +110,7 @@ public:
   /// \returns the frame of the corrected trajectory, seen from the map
   /// \throws std::invalid_argument, nothing changed, if the trajectory is empty, not finite, not in
   /// the order of its stamps, has none in common with the filter's or is not in the map's frame
-  Pose2 followTrajectory(const std::vector<StampedPose2>& corrected);
+  Pose2 followTrajectory(const Trajectory& corrected) override;
 
   /// Gives every particle nodes of its own. Changes no result: what a filter without sharing would
   /// be.
@@ -170,5 +163,11 @@ private:
   std::int64_t updated_ns_ = 0;       ///< when poses were sampled and maps updated last
   PoseWithCovariance2 since_update_;  ///< the motion since then
 };
+
+/// For the registry of estimators.
+FilterEntry fastSlamEntry();
+/// Makes filters with these settings.
+LandmarkFilterFactory fastSlamFactory(const FastSlamParameters& parameters,
+                                      FeatureMatchers matchers = {});
 
 }  // namespace ram_slam

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/fast_slam/landmark_filter.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/tracking/checkpoint.hpp"
 #include "ram_slam/tracking/map_views.hpp"
@@ -16,7 +16,7 @@
 
 namespace ram_slam {
 
-/// FastSlam that notices when it is lost, and finds its place in its map again.
+/// A filter that notices when it is lost, and finds its place in its map again.
 ///
 /// While the robot is tracked the filter works as it does alone, and every two seconds a copy of it
 /// is put aside (copies share their maps). When the robot is lost (PoseMonitor) the filter is set
@@ -26,13 +26,14 @@ namespace ram_slam {
 /// was. transition() has all changes of state. Deterministic.
 class Tracker {
 public:
-  /// \throws std::invalid_argument as FastSlam and RecoveryParameters::validate()
-  Tracker(const FastSlamParameters& filter,
+  /// \param make  the filter \throws std::invalid_argument as make() and
+  /// RecoveryParameters::validate()
+  Tracker(LandmarkFilterFactory make,
           const RecoveryParameters& recovery,
           FeatureMatchers matchers = {});
 
-  /// As FastSlam::update(), the features deskewed (deskew()). If it throws nothing has changed.
-  /// \param step  the motion since stamp_ns(), the identity before the first list
+  /// As LandmarkFilter::update(), the features deskewed (deskew()). If it throws nothing has
+  /// changed. \param step  the motion since stamp_ns(), the identity before the first list
   void update(const FeatureList& features,
               const MotionStep& step,
               std::shared_ptr<const FieldOfView> view = nullptr);
@@ -54,30 +55,31 @@ public:
   /// covariance that states that it is not known.
   PoseWithCovariance2 estimate() const;
   /// Its pose and stamp are of the time before while lost.
-  const FastSlam& filter() const { return filter_; }
+  const LandmarkFilter& filter() const { return *filter_; }
 
-  /// The robot is there, lost or not. \throws as FastSlam::setPose()
+  /// The robot is there, lost or not. \throws as LandmarkFilter::setPose()
   void setPose(const PoseWithCovariance2& map_from_base);
-  /// As FastSlam::movePose(); nothing happens while the robot is lost.
+  /// As LandmarkFilter::movePose(); nothing happens while the robot is lost.
   void movePose(const Pose2& new_from_old) {
-    if (!lost()) filter_.movePose(new_from_old);
+    if (!lost()) filter_->movePose(new_from_old);
   }
-  /// As FastSlam::followTrajectory(). Copies put aside before are of another map then: they are
-  /// dropped. \throws std::runtime_error while the robot is lost, the map untouched
+  /// As LandmarkFilter::followTrajectory(). Copies put aside before are of another map then: they
+  /// are dropped. \throws std::runtime_error while the robot is lost, the map untouched
   Pose2 followTrajectory(const Trajectory& smoothed);
   /// The robot can be anywhere in the map; without a landmark in the map nothing happens.
   void forgetPose();
   /// Begins with a map learned before, of which the robot's place is not known.
-  /// \param views  of places in that map \throws as FastSlam::setMap()
+  /// \param views  of places in that map \throws as LandmarkFilter::setMap()
   void setMap(const LandmarkMap& map, const std::vector<PlacedView>& views = {});
-  /// As FastSlam::fixMap(); no views are added either.
-  void fixMap() { filter_.fixMap(); }
+  /// As LandmarkFilter::fixMap(); no views are added either.
+  void fixMap() { filter_->fixMap(); }
 
   /// What restore() needs to go on from here; nothing of the sort before started().
   Checkpoint checkpoint() const;
   /// Begins again with what another one knew: its map, its path, and the robot near where it was,
   /// or lost if it was. Identifiers go on behind those that may have been used meanwhile.
-  /// \throws std::invalid_argument as FastSlam::setMap(), or without a stamp; nothing has changed
+  /// \throws std::invalid_argument as LandmarkFilter::setMap(), or without a stamp; nothing has
+  /// changed
   void restore(const Checkpoint& checkpoint);
 
 private:
@@ -106,10 +108,10 @@ private:
   const FilterCopy* oldestCopy() const;
   Constellation mapConstellation() const;
 
-  FastSlamParameters filter_parameters_;
+  LandmarkFilterFactory make_;
   RecoveryParameters parameters_;
   FeatureMatchers matchers_;
-  FastSlam filter_;
+  std::unique_ptr<LandmarkFilter> filter_;
   std::int64_t stamp_ns_ = 0;
   Pose2 local_from_base_;  ///< by odometry, since the start
   double path_m_ = 0.0;    ///< driven, while not lost

@@ -3,9 +3,10 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <variant>
 
-#include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/fast_slam/landmark_filter.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/tracking/discontinuity_detector.hpp"
 #include "ram_slam/tracking/pose_monitor.hpp"
@@ -23,7 +24,7 @@ enum class LostReason {
 
 /// A copy of the filter, and where the robot was then. Copies share their maps.
 struct FilterCopy {
-  FastSlam filter;
+  std::shared_ptr<const LandmarkFilter> filter;
   Pose2 map_from_base;
   Pose2 local_from_base;
   std::int64_t stamp_ns = 0;

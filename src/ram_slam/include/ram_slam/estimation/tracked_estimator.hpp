@@ -6,19 +6,19 @@
 #include <utility>
 #include <vector>
 
-#include "ram_slam/estimation/estimator_registry.hpp"
+#include "ram_slam/estimation/estimator.hpp"
 #include "ram_slam/tracking/tracker.hpp"
 
 namespace ram_slam {
 
-/// FastSLAM with recovery (Tracker) as an Estimator.
-class FastSlamEstimator : public Estimator {
+/// A filter with recovery (Tracker) as an Estimator.
+class TrackedEstimator : public Estimator {
 public:
   /// \throws std::invalid_argument as Tracker
-  FastSlamEstimator(const FastSlamParameters& filter,
-                    const RecoveryParameters& recovery,
-                    FeatureMatchers matchers)
-      : slam_(filter, recovery, std::move(matchers)) {}
+  TrackedEstimator(LandmarkFilterFactory make,
+                   const RecoveryParameters& recovery,
+                   FeatureMatchers matchers)
+      : slam_(std::move(make), recovery, std::move(matchers)) {}
 
   void update(const FeatureList& features,
               const MotionStep& step,
@@ -53,9 +53,5 @@ public:
 private:
   Tracker slam_;
 };
-
-/// Reads config/fast_slam.yaml. \throws std::invalid_argument if a parameter is refused
-EstimatorFactory readFastSlamEstimator(ram_parameters::ParameterReader& reader,
-                                       FeatureMatchers matchers);
 
 }  // namespace ram_slam

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ram_slam/estimation/fast_slam_estimator.hpp"
+#include "ram_slam/estimation/tracked_estimator.hpp"
 
 #include <gmock/gmock.h>
+
+#include "ram_slam/estimation/estimator_registry.hpp"
 
 namespace ram_slam {
 namespace {
@@ -30,7 +32,7 @@ std::unique_ptr<Estimator> fastSlam(const char* yaml) {
   return findEstimator("fast_slam")(reader, {})();
 }
 
-TEST(FastSlamEstimator, IsReadFromItsYamlAndMapsWhatItSees) {
+TEST(TrackedEstimator, IsReadFromItsYamlAndMapsWhatItSees) {
   const Standing standing;
   const auto estimator = fastSlam("{particle_amount: 7}");
   for (std::int64_t stamp_ns = 1; stamp_ns <= 3; ++stamp_ns)
@@ -43,7 +45,7 @@ TEST(FastSlamEstimator, IsReadFromItsYamlAndMapsWhatItSees) {
   EXPECT_FALSE(estimator->health().empty());
 }
 
-TEST(FastSlamEstimator, StatesWhyItIsLostAndShowsNoHypotheses) {
+TEST(TrackedEstimator, StatesWhyItIsLostAndShowsNoHypotheses) {
   const Standing standing;
   const auto estimator = fastSlam("{}");
   estimator->update(poles(1), motionStep(standing, 0, 1), nullptr);
