@@ -6,46 +6,15 @@
 #include <limits>
 #include <stdexcept>
 
-#include <Eigen/Eigenvalues>
-
 #include "ram_slam/fast_slam/association_candidates.hpp"
 #include "ram_slam/fast_slam/landmark_existence.hpp"
+#include "ram_slam/fast_slam/landmark_records.hpp"
 #include "ram_slam/fast_slam/map_summary.hpp"
 #include "ram_slam/fast_slam/pose_estimate.hpp"
 #include "ram_slam/fast_slam/resampling.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 
 namespace ram_slam {
-namespace {
-
-constexpr double kSymmetryTolerance = 1e-9;  // rounding of covariances, relative to their size
-
-void requireGood(const Feature& feature) {
-  const Eigen::Matrix2d& c = feature.covariance_m2;
-  const bool finite = feature.position_m.allFinite() && c.allFinite();
-  if (!finite || std::abs(c(0, 1) - c(1, 0)) > kSymmetryTolerance * c.trace() || !(c(0, 0) > 0.0) ||
-      !(c.determinant() > 0.0)) {
-    throw std::invalid_argument(
-        "a feature's position and covariance must be finite, the covariance symmetric and positive "
-        "definite");
-  }
-}
-
-void requireGood(const PoseWithCovariance2& pose) {
-  const Eigen::Matrix3d& c = pose.covariance;
-  if (!pose.pose.isFinite() || !c.allFinite()) {
-    throw std::invalid_argument("an initial pose and its covariance must be finite");
-  }
-  const double tolerance = kSymmetryTolerance * (1.0 + c.norm());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(c, Eigen::EigenvaluesOnly);
-  if ((c - c.transpose()).norm() > tolerance || solver.eigenvalues().minCoeff() < -tolerance) {
-    throw std::invalid_argument(
-        "the covariance of an initial pose must be symmetric positive semi-definite");
-  }
-}
-
-}  // namespace
-
 FastSlam::FastSlam(const FastSlamParameters& parameters,
                    FeatureMatchers matchers,
                    const PoseWithCovariance2& map_from_base)
@@ -90,23 +59,7 @@ void FastSlam::setMap(const LandmarkMap& map, const Trajectory& path) {
   LandmarkRegistry registry;
   LandmarkTree landmarks;
   for (const LandmarkEstimate& estimate : map.landmarks) {
-    Feature feature;
-    feature.position_m = estimate.mean_m;
-    feature.covariance_m2 = estimate.covariance_m2;
-    requireGood(feature);
-    LandmarkRecord record;
-    record.id = estimate.id;
-    record.type = estimate.type;
-    record.classifier = std::make_shared<const std::string>(estimate.classifier);
-    const DescriptorPointer appearance =
-        parseDescriptor(matchers_, record.type, estimate.classifier);
-    if (appearance != nullptr) record.descriptors.push_back(appearance);
-    record.existence_log_odds = std::clamp(estimate.existence_log_odds, parameters_.delete_log_odds,
-                                           parameters_.maximum_log_odds);
-    record.was_confirmed = record.existence_log_odds >= parameters_.confirm_log_odds;
-    record.orientation_rad = estimate.orientation_rad;
-    record.orientation_variance_rad2 = estimate.orientation_variance_rad2;
-    record.placed_ns = estimate.placed_ns;
+    LandmarkRecord record = recordOf(estimate, matchers_, parameters_);
     registry.restore(std::move(record));
     landmarks.set(estimate.id, {estimate.mean_m, estimate.covariance_m2});
   }
@@ -120,16 +73,8 @@ void FastSlam::setMap(const LandmarkMap& map, const Trajectory& path) {
     particle.landmarks = landmarks;
     particle.path = driven;
   }
-  for (LandmarkRecord& record : registry_.records()) refreshBounds(record);
-}
-
-void FastSlam::check(const FeatureList& list) const {
-  for (const Feature& feature : list.features) requireGood(feature);
-  if (list.stamp_ns <= 0 || list.stamp_ns < stamp_ns_) {
-    throw std::invalid_argument("features of " + std::to_string(list.stamp_ns) +
-                                " ns are older than those before, of " + std::to_string(stamp_ns_) +
-                                " ns");
-  }
+  for (LandmarkRecord& record : registry_.records())
+    refreshBounds(record, particles_, parameters_.creation_gate);
 }
 
 void FastSlam::update(const FeatureList& list, const MotionModel& model, const FieldOfView* view) {
@@ -139,7 +84,7 @@ void FastSlam::update(const FeatureList& list, const MotionModel& model, const F
 
 void FastSlam::update(const FeatureList& list, const MotionStep& step, const FieldOfView* view) {
   check(list);
-  const std::vector<DescriptorPointer> descriptors = describe(list);
+  const std::vector<DescriptorPointer> descriptors = describe(list, matchers_);
   PoseWithCovariance2 since_list;
   if (started() && step.to_ns != stamp_ns_) since_list = step.motion;
   const PoseWithCovariance2 since_update = since_update_ * since_list;
@@ -174,14 +119,6 @@ void FastSlam::update(const FeatureList& list, const MotionStep& step, const Fie
     for (const LandmarkId id : existence.update(registry_, view, estimate_.pose)) remove(id);
   }
   resample();
-}
-
-std::vector<DescriptorPointer> FastSlam::describe(const FeatureList& list) const {
-  std::vector<DescriptorPointer> descriptors;
-  descriptors.reserve(list.features.size());
-  for (const Feature& feature : list.features)
-    descriptors.push_back(parseDescriptor(matchers_, feature.type, feature.classifier));
-  return descriptors;
 }
 
 std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observations) {

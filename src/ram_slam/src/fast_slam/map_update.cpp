@@ -3,6 +3,7 @@
 #include <map>
 
 #include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/fast_slam/landmark_records.hpp"
 #include "ram_slam/fast_slam/pose_estimate.hpp"
 #include "ram_slam/fast_slam/resampling.hpp"
 
@@ -43,9 +44,14 @@ void FastSlam::updateMaps(const FeatureList& list,
   for (const auto& [id, weight] : matched_weights) {
     LandmarkRecord& record = *registry_.find(id);
     record.matched_weight = weight;
-    refreshBounds(record);
+    refreshBounds(record, particles_, parameters_.creation_gate);
   }
-  rememberSightings(list, descriptors, evidence[best_].associations);
+  const std::vector<Association>& seen = evidence[best_].associations;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i].outcome == AssociationOutcome::kMatched)
+      rememberSighting(*registry_.find(seen[i].id), particles_[best_],
+                       {list.features[i], descriptors[i]}, matchers_, parameters_.appearance);
+  }
 }
 
 std::optional<LandmarkId> FastSlam::idUsedElsewhere(const Observation& observation,
@@ -62,34 +68,6 @@ std::optional<LandmarkId> FastSlam::idUsedElsewhere(const Observation& observati
     nearest = candidate.id;
   }
   return nearest;
-}
-
-void FastSlam::rememberSightings(const FeatureList& list,
-                                 const std::vector<DescriptorPointer>& descriptors,
-                                 const std::vector<Association>& associations) {
-  const Particle& best = particles_[best_];
-  for (std::size_t i = 0; i < associations.size(); ++i) {
-    if (associations[i].outcome != AssociationOutcome::kMatched) continue;
-    LandmarkRecord& record = *registry_.find(associations[i].id);
-    const Eigen::Vector2d robot_from_landmark_m =
-        best.map_from_base.translation() - best.landmarks.find(record.id)->mean_m;
-    addSighting(record, robot_from_landmark_m, findMatcher(matchers_, record.type), descriptors[i],
-                parameters_.appearance);
-    addOrientation(record, best.map_from_base.yaw_rad + list.features[i].orientation_rad,
-                   list.features[i].orientation_variance_rad2, parameters_.appearance);
-  }
-}
-
-void FastSlam::refreshBounds(LandmarkRecord& record) const {
-  const double gate = std::sqrt(parameters_.creation_gate);
-  record.bounds_m.setEmpty();
-  for (const Particle& particle : particles_) {
-    const Landmark* landmark = particle.landmarks.find(record.id);
-    if (landmark == nullptr) continue;
-    const double reach_m = gate * std::sqrt(landmark->covariance_m2.trace());
-    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() - reach_m));
-    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() + reach_m));
-  }
 }
 
 void FastSlam::resample() {

@@ -9,6 +9,7 @@
 
 #include "ram_slam/fast_slam/association.hpp"
 #include "ram_slam/fast_slam/landmark_filter.hpp"
+#include "ram_slam/fast_slam/landmark_records.hpp"
 #include "ram_slam/fast_slam/landmark_registry.hpp"
 #include "ram_slam/fast_slam/landmark_tree.hpp"
 #include "ram_slam/fast_slam/map_drift.hpp"
@@ -63,7 +64,7 @@ public:
   /// The same, asking the model for the motion. \throws std::out_of_range as MotionModel::motion()
   void update(const FeatureList& list, const MotionModel& model, const FieldOfView* view = nullptr);
 
-  void check(const FeatureList& list) const override;
+  void check(const FeatureList& list) const override { requireGood(list, stamp_ns_); }
 
   std::int64_t stamp_ns() const override { return stamp_ns_; }
 
@@ -119,7 +120,6 @@ public:
   std::size_t landmarkBytes() const;
 
 private:
-  std::vector<DescriptorPointer> describe(const FeatureList& list) const;
   /// Associates in every particle, corrects it and estimates the pose.
   std::vector<Evidence> weigh(const std::vector<Observation>& observations);
   void samplePoses(const std::vector<Evidence>& evidence);
@@ -130,18 +130,12 @@ private:
   /// The landmark that other particles already have where this feature is and this one has not.
   std::optional<LandmarkId> idUsedElsewhere(const Observation& observation,
                                             const Particle& particle) const;
-  void rememberSightings(const FeatureList& list,
-                         const std::vector<DescriptorPointer>& descriptors,
-                         const std::vector<Association>& associations);
   void rate(const Evidence& evidence);
   /// Makes the estimate's covariance that of a pose in the frame of the start.
   /// \param moved_m  since the list before
   void coverErrors(double moved_m);
   void resample();
-  void refreshBounds(LandmarkRecord& record) const;
   void remove(LandmarkId id);
-  /// Landmarks of the best particle that are indistinguishable from an older one.
-  void removeDuplicates();
   /// Landmarks that no particle holds any more.
   void forgetAbandoned();
 
