@@ -46,6 +46,8 @@ struct Evidence {
   std::vector<Association> associations;  ///< one per observation
   double squared_mahalanobis = 0.0;       ///< sum over the features that corrected the pose
   int correction_count = 0;               ///< their number
+
+  bool hasMatched(LandmarkId id) const;
 };
 
 /// FastSLAM 2.0: associates by position (Mahalanobis distance within the gate) and classifier, each
@@ -61,6 +63,12 @@ Evidence associate(const std::vector<Observation>& observations,
                    const PoseWithCovariance2& map_from_base,
                    const FastSlamParameters& parameters,
                    Random random);
+
+/// The same without samples: what stays uncertain is ignored. For filters that hold one hypothesis.
+Evidence associateCertain(const std::vector<Observation>& observations,
+                          const LandmarkTree& landmarks,
+                          const PoseWithCovariance2& map_from_base,
+                          const FastSlamParameters& parameters);
 
 /// FastSLAM 1.0 as the source describes it: the nearest landmark is matched below
 /// `feature_match_distance`, the feature is new beyond `minimum_feature_separation`, and ignored
