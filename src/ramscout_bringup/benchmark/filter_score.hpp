@@ -21,7 +21,7 @@ struct FilterStep {
 
 /// Which part of the system is judged.
 enum class Judged {
-  kFilter,    ///< FastSlam alone
+  kFilter,    ///< the filter alone
   kDeployed,  ///< as the nodes run it: Tracker, which follows MapSmoother
 };
 

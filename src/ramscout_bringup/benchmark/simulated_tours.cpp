@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Drives generated offices in simulation, and reports how good FastSlam alone is there: each seed
-// is another building and other noise. Docs: docs/fast_slam.md.
+// Drives generated offices in simulation, and reports how good an estimator is there: each seed is
+// another building and other noise. Docs: docs/fast_slam.md, docs/ekf_slam.md.
 //
-//   simulated_tours --config DIR [--config DIR ...] FIRST_SEED COUNT [METRES]
+//   simulated_tours --config DIR [--config DIR ...] [--estimator NAME] FIRST_SEED COUNT [METRES]
 
 #include <cmath>
 #include <cstdio>
@@ -74,14 +74,16 @@ Recorded record(const std::string& config,
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Evaluates FastSlam alone in generated, simulated offices.");
+  CLI::App app("Evaluates an estimator in generated, simulated offices.");
   std::vector<std::string> configs;
   int first = 1;
   int count = 10;
   double length_m = 200.0;
+  std::string estimator = "fast_slam";
   app.add_option("--config", configs, "folder of parameter files; may be given more than once")
       ->required()
       ->allow_extra_args(false);
+  app.add_option("--estimator", estimator, "name of the estimator");
   app.add_option("FIRST_SEED", first);
   app.add_option("COUNT", count);
   app.add_option("METRES", length_m, "least length of the tour");
@@ -91,7 +93,7 @@ int main(int argc, char** argv) {
       const Recorded recorded =
           record(configs.front(), readSlamParameters(configs.front()), seed, length_m);
       for (const std::string& config : configs) {
-        const SlamParameters parameters = readSlamParameters(config);
+        const SlamParameters parameters = readSlamParameters(config, estimator);
         const std::string name = "seed " + std::to_string(seed) + ", " +
                                  std::to_string(std::lround(recorded.length_m)) + " m, " + config;
         print(name + ", filter",

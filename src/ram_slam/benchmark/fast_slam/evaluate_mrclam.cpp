@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs FastSlam on a data set of the UTIAS Multi-Robot Cooperative Localization and Mapping
+// Runs an estimator on a data set of the UTIAS Multi-Robot Cooperative Localization and Mapping
 // collection (Leung et al., IJRR 2011) and compares with its ground truth: once with known
 // association, once without.
 //
-//   evaluate_mrclam FOLDER [SEEDS] [PARTICLES]
+//   evaluate_mrclam FOLDER [SEEDS] [PARTICLES] [fast_slam | ekf_slam]
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -19,6 +20,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "ram_slam/ekf_slam/ekf_slam.hpp"
 #include "ram_slam/fast_slam/fast_slam.hpp"
 #include "ram_slam/smoothing/landmark_smoother.hpp"
 
@@ -260,28 +262,38 @@ struct Scores {
   Score smoothed;
 };
 
+LandmarkFilterFactory filterFactory(const std::string& name, const FastSlamParameters& parameters) {
+  if (name == "fast_slam") return fastSlamFactory(parameters);
+  if (name != "ekf_slam") throw std::invalid_argument("there is no estimator " + name);
+  EkfSlamParameters ekf;
+  ekf.common = parameters;
+  return [ekf] { return std::make_unique<EkfSlam>(ekf); };
+}
+
 Scores evaluate(const Recording& recording,
                 const World& world,
-                const FastSlamParameters& parameters,
+                const LandmarkFilterFactory& make,
                 const LandmarkSmootherParameters& smoothing,
                 const MotionModel& odometry) {
   PoseWithCovariance2 start;
   start.pose = truthAt(recording.truth, recording.lists.front().stamp_ns);
-  FastSlam filter(parameters, {}, start);
+  const std::unique_ptr<LandmarkFilter> made = make();
+  LandmarkFilter& filter = *made;
+  filter.setPose(start);
   const CameraView view;
   std::vector<double> online;
   std::vector<FeatureStep> steps;
   for (const FeatureList& list : recording.lists) {
     steps.push_back({list, {}});
     if (filter.started()) steps.back().motion = odometry.motion(filter.stamp_ns(), list.stamp_ns);
-    filter.update(list, odometry, &view);
+    filter.update(list, motionStep(odometry, filter.stamp_ns(), list.stamp_ns), &view);
     online.push_back((filter.estimate().pose.translation() -
                       truthAt(recording.truth, list.stamp_ns).translation())
                          .squaredNorm());
   }
   std::vector<LandmarkEstimate> landmarks;
   for (const LandmarkEstimate& landmark : filter.landmarks().landmarks) {
-    if (landmark.existence_log_odds >= parameters.confirm_log_odds) landmarks.push_back(landmark);
+    if (landmark.existence_log_odds >= filter.confirm_log_odds()) landmarks.push_back(landmark);
   }
   const SmoothedLandmarks smoothed =
       smoothLandmarks(steps, filter.trajectory(), landmarks, smoothing);
@@ -315,11 +327,12 @@ void print(const char* association, int robot, const std::vector<Scores>& scores
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::fprintf(stderr, "usage: evaluate_mrclam FOLDER [SEEDS] [PARTICLES]\n");
+    std::fprintf(stderr, "usage: evaluate_mrclam FOLDER [SEEDS] [PARTICLES] [ESTIMATOR]\n");
     return EXIT_FAILURE;
   }
   const std::string folder = argv[1];
   const int seeds = argc > 2 ? std::atoi(argv[2]) : 3;
+  const std::string estimator = argc > 4 ? argv[4] : "fast_slam";
   World world;
   for (const auto& row : readTable(folder + "/Barcodes.dat"))
     world.subject_of_barcode[static_cast<int>(row[1])] = static_cast<int>(row[0]);
@@ -349,7 +362,8 @@ int main(int argc, char** argv) {
           parameters.unknown_feature_density = 1e-300;
         }
         if (argc > 3) parameters.particle_amount = std::atoi(argv[3]);
-        scores.push_back(evaluate(recording, world, parameters, smoothing, odometry));
+        scores.push_back(
+            evaluate(recording, world, filterFactory(estimator, parameters), smoothing, odometry));
       }
       print(association, robot, scores);
     }

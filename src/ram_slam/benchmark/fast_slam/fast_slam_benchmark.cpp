@@ -3,6 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "ram_slam/ekf_slam/ekf_slam.hpp"
 #include "ram_slam/fast_slam/fast_slam.hpp"
 #include "ram_slam/tracking/tracker.hpp"
 
@@ -71,6 +72,31 @@ void update(benchmark::State& state) {
   state.counters["kB"] = static_cast<double>(filter.landmarkBytes()) / 1024.0;
 }
 BENCHMARK(update)->Arg(5)->Arg(100)->Unit(benchmark::kMicrosecond)->Iterations(200);
+
+/// The same of EKF-SLAM.
+void updateJointly(benchmark::State& state) {
+  const Crawl fast(0.1);
+  EkfSlam filter{EkfSlamParameters{}};
+  const auto update = [&filter](const FeatureList& list, const MotionModel& model) {
+    filter.update(list, motionStep(model, filter.stamp_ns(), list.stamp_ns));
+  };
+  Random random(1);
+  std::int64_t stamp_ns = 1;
+  double x_m = 0.0;
+  for (; filter.belief().size() < 1000; ++stamp_ns, x_m += 0.1)
+    update(seenFrom(x_m, stamp_ns, random), fast);
+  const double step_m = 1e-3 * static_cast<double>(state.range(0));
+  const Crawl crawl(step_m);
+  for (auto _ : state) {
+    state.PauseTiming();
+    x_m += step_m;
+    const FeatureList list = seenFrom(x_m, stamp_ns++, random);
+    state.ResumeTiming();
+    update(list, crawl);
+  }
+  state.counters["landmarks"] = static_cast<double>(filter.belief().size());
+}
+BENCHMARK(updateJointly)->Arg(5)->Arg(100)->Unit(benchmark::kMicrosecond)->Iterations(200);
 
 /// What the filter's thread does for a checkpoint of 1,000 landmarks and the path to them; with
 /// argument 1 what the writing thread does, but for the disk.

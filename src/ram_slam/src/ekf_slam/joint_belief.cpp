@@ -2,6 +2,7 @@
 #include "ram_slam/ekf_slam/joint_belief.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 namespace ram_slam {
 namespace {
@@ -9,6 +10,12 @@ namespace {
 /// J v: v turned by 90 degrees.
 Eigen::Vector2d quarterTurn(const Eigen::Vector2d& v) {
   return {-v.y(), v.x()};
+}
+
+/// L L^T of a covariance, which may be singular.
+Eigen::Matrix3d squareRoot(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 }  // namespace
@@ -76,6 +83,11 @@ Eigen::Matrix2d JointBelief::differenceCovariance(std::size_t i, std::size_t j) 
          block(row(j), row(i));
 }
 
+Eigen::Matrix2d JointBelief::covarianceFromPose(std::size_t i) const {
+  return block(row(i), row(i)) + block(kPositionRow, kPositionRow) - block(row(i), kPositionRow) -
+         block(kPositionRow, row(i));
+}
+
 JointBelief JointBelief::part(const std::vector<std::size_t>& landmarks) const {
   JointBelief part;
   part.pose_ = pose_;
@@ -101,20 +113,18 @@ void JointBelief::move(const PoseWithCovariance2& motion) {
   by_motion(0, 2) = 1.0;
   by_motion.col(2) -= turned();
   by_motion.block<2, 2>(kPositionRow, 0) = before.rotation();
-  covariance().triangularView<Eigen::Lower>() +=
-      by_motion * motion.covariance * by_motion.transpose();
+  covariance().selfadjointView<Eigen::Lower>().rankUpdate(by_motion *
+                                                          squareRoot(motion.covariance));
 }
 
 Innovation JointBelief::innovation(const Sighting& sighting) const {
   const Eigen::Matrix2d base_from_map = pose_.rotation().transpose();
-  const Eigen::Index at = row(sighting.landmark);
-  const Eigen::Matrix2d covariance = block(at, at) + block(kPositionRow, kPositionRow) -
-                                     block(at, kPositionRow) - block(kPositionRow, at);
   Innovation found;
   found.residual_m = sighting.measured.position_m -
                      base_from_map * (points_m_[sighting.landmark] - pose_.translation());
   found.covariance_m2 =
-      base_from_map * covariance * base_from_map.transpose() + sighting.measured.covariance_m2;
+      base_from_map * covarianceFromPose(sighting.landmark) * base_from_map.transpose() +
+      sighting.measured.covariance_m2;
   return found;
 }
 

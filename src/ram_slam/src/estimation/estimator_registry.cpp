@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "ram_slam/ekf_slam/ekf_slam.hpp"
 #include "ram_slam/estimation/tracked_estimator.hpp"
 #include "ram_slam/fast_slam/fast_slam.hpp"
 
@@ -36,6 +37,7 @@ std::map<std::string, EstimatorReader>& estimators() {
 /// One line per filter.
 const std::map<std::string, FilterEntry>& filters() {
   static const std::map<std::string, FilterEntry> all{
+      {"ekf_slam", ekfSlamEntry()},
       {"fast_slam", fastSlamEntry()},
   };
   return all;

@@ -42,6 +42,21 @@ bool Evidence::hasMatched(LandmarkId id) const {
       });
 }
 
+void MatchQuality::add(const Evidence& evidence, double memory) {
+  matched_count = new_count = ignored_count = 0;
+  for (const Association& association : evidence.associations) {
+    if (association.outcome == AssociationOutcome::kMatched) ++matched_count;
+    if (association.outcome == AssociationOutcome::kNew) ++new_count;
+    if (association.outcome == AssociationOutcome::kIgnored) ++ignored_count;
+  }
+  if (evidence.associations.empty()) return;
+  const double matched = matched_count / static_cast<double>(evidence.associations.size());
+  matched_fraction += (1.0 - memory) * (matched - matched_fraction);
+  if (evidence.correction_count == 0) return;
+  const double innovation = evidence.squared_mahalanobis / (2.0 * evidence.correction_count);
+  normalised_innovation += (1.0 - memory) * (innovation - normalised_innovation);
+}
+
 Evidence associate(const std::vector<Observation>& observations,
                    const LandmarkTree& landmarks,
                    const PoseWithCovariance2& map_from_base,

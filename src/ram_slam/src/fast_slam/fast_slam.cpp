@@ -45,11 +45,7 @@ void FastSlam::setPose(const PoseWithCovariance2& map_from_base) {
 }
 
 void FastSlam::setPose(const PoseWithCovariance2& map_from_base, std::int64_t stamp_ns) {
-  if (stamp_ns <= 0 || stamp_ns < stamp_ns_) {
-    throw std::invalid_argument("a pose of " + std::to_string(stamp_ns) +
-                                " ns is older than the filter, of " + std::to_string(stamp_ns_) +
-                                " ns");
-  }
+  requireNotOlder(stamp_ns, stamp_ns_);
   setPose(map_from_base);
   stamp_ns_ = stamp_ns;
 }
@@ -138,7 +134,9 @@ std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observatio
   const std::vector<double> weights = normalisedWeights(log_weights);
   estimate_ = estimatePose(particles_, weights);
   quality_.effective_fraction = effectiveCount(weights) / static_cast<double>(weights.size());
-  rate(evidence[largest(weights)]);
+  const Evidence& best = evidence[largest(weights)];
+  associations_ = best.associations;
+  quality_.add(best, parameters_.quality_memory);
   return evidence;
 }
 
@@ -172,24 +170,6 @@ void FastSlam::samplePoses(const std::vector<Evidence>& evidence) {
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     particles_[i].log_weight = std::log(weights[i] / weights[best_]);
   }
-}
-
-void FastSlam::rate(const Evidence& evidence) {
-  associations_ = evidence.associations;
-  quality_.matched_count = quality_.new_count = quality_.ignored_count = 0;
-  for (const Association& association : evidence.associations) {
-    if (association.outcome == AssociationOutcome::kMatched) ++quality_.matched_count;
-    if (association.outcome == AssociationOutcome::kNew) ++quality_.new_count;
-    if (association.outcome == AssociationOutcome::kIgnored) ++quality_.ignored_count;
-  }
-  if (evidence.associations.empty()) return;
-  const double matched = quality_.matched_count / static_cast<double>(evidence.associations.size());
-  quality_.matched_fraction +=
-      (1.0 - parameters_.quality_memory) * (matched - quality_.matched_fraction);
-  if (evidence.correction_count == 0) return;
-  const double innovation = evidence.squared_mahalanobis / (2.0 * evidence.correction_count);
-  quality_.normalised_innovation +=
-      (1.0 - parameters_.quality_memory) * (innovation - quality_.normalised_innovation);
 }
 
 std::vector<Pose2> FastSlam::hypotheses() const {

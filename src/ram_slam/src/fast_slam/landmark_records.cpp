@@ -49,6 +49,14 @@ void requireGood(const FeatureList& list, std::int64_t newest_ns) {
   }
 }
 
+void requireNotOlder(std::int64_t stamp_ns, std::int64_t filter_ns) {
+  if (stamp_ns <= 0 || stamp_ns < filter_ns) {
+    throw std::invalid_argument("a pose of " + std::to_string(stamp_ns) +
+                                " ns is older than the filter, of " + std::to_string(filter_ns) +
+                                " ns");
+  }
+}
+
 LandmarkRecord recordOf(const LandmarkEstimate& estimate,
                         const FeatureMatchers& matchers,
                         const FastSlamParameters& parameters) {
@@ -92,14 +100,19 @@ void rememberSighting(LandmarkRecord& record,
                  seen.feature.orientation_variance_rad2, parameters);
 }
 
+Eigen::AlignedBox2d boundsOf(const Eigen::Vector2d& place_m,
+                             const Eigen::Matrix2d& covariance_m2,
+                             double gate) {
+  const double reach_m = std::sqrt(gate) * std::sqrt(covariance_m2.trace());
+  return {place_m.array() - reach_m, place_m.array() + reach_m};
+}
+
 void refreshBounds(LandmarkRecord& record, const std::vector<Particle>& particles, double gate) {
   record.bounds_m.setEmpty();
   for (const Particle& particle : particles) {
     const Landmark* landmark = particle.landmarks.find(record.id);
-    if (landmark == nullptr) continue;
-    const double reach_m = std::sqrt(gate) * std::sqrt(landmark->covariance_m2.trace());
-    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() - reach_m));
-    record.bounds_m.extend(Eigen::Vector2d(landmark->mean_m.array() + reach_m));
+    if (landmark != nullptr)
+      record.bounds_m.extend(boundsOf(landmark->mean_m, landmark->covariance_m2, gate));
   }
 }
 

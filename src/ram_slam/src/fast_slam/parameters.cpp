@@ -81,14 +81,18 @@ namespace {
 
 using P = FastSlamParameters;
 
-void addFilter(ParameterTable<P>& table) {
+void addParticles(ParameterTable<P>& table) {
   table
       .add("particle_amount", &P::particle_amount, "", within(1, 100000),
            "Number of particles; at least 50 are advised.")
       .add(
           "feature_match_distance", &P::feature_match_distance, "m", positive(),
           "Only in mode fast_slam_1: a feature nearer than this to a landmark is that landmark; at "
-          "least 0.1 is advised.")
+          "least 0.1 is advised.");
+}
+
+void addCreation(ParameterTable<P>& table) {
+  table
       .add("minimum_feature_separation", &P::minimum_feature_separation, "m", atLeast(0.0),
            "Nearer to a landmark than this no other one is created, unless both are seen at once; "
            "at least 0.3 is advised. (The spelling minimum_feature_seperation is accepted, too.)")
@@ -99,7 +103,11 @@ void addFilter(ParameterTable<P>& table) {
             })
       .alias("minimum_feature_seperation")
       .add("future_interpol", &P::future_interpol, "s", within(0.0, 10.0),
-           "How long the published pose is valid: tf map -> odom is dated ahead by this.")
+           "How long the published pose is valid: tf map -> odom is dated ahead by this.");
+}
+
+void addMode(ParameterTable<P>& table) {
+  table
       .addChoice(
           "mode", &P::mode,
           {{"fast_slam_1", FastSlamMode::kFastSlam1}, {"fast_slam_2", FastSlamMode::kFastSlam2}},
@@ -107,16 +115,20 @@ void addFilter(ParameterTable<P>& table) {
           "association by covariance and classifier. fast_slam_1: particles are sampled from "
           "the motion model, association by the two distances above.")
       .add("seed", &P::seed, "", within(0, std::numeric_limits<int>::max()),
-           "Of the random numbers. The same seed and input give the same output.")
+           "Of the random numbers. The same seed and input give the same output.");
+}
+
+void addPace(ParameterTable<P>& table) {
+  table
       .add("update_distance", &P::update_distance, "m", atLeast(0.0),
-           "The map is updated and particles are sampled once per this distance driven; in between "
-           "features only correct the pose. Every sampling costs diversity, so more is not better. "
-           "(fast_slam_2)")
+           "The map is updated once per this distance driven; in between features only correct the "
+           "pose. fast_slam_2 samples its particles then, which costs diversity, so more is not "
+           "better.")
       .add("update_angle", &P::update_angle, "rad", atLeast(0.0), "Or once per this angle turned.");
 }
 
-void addAssociation(ParameterTable<P>& table) {
-  table.heading("Association (fast_slam_2)")
+void addGates(ParameterTable<P>& table) {
+  table
       .add("association_gate", &P::association_gate, "", positive(),
            "Largest squared Mahalanobis distance of a match; 9.21 holds 99 % of the right ones.")
       .add("creation_gate", &P::creation_gate, "", anyNumber(),
@@ -126,21 +138,32 @@ void addAssociation(ParameterTable<P>& table) {
       .add("duplicate_gate", &P::duplicate_gate, "", atLeast(0.0),
            "Two features of one reading with a smaller squared Mahalanobis distance to each other "
            "may be one thing found twice; 0 if the detector never does that.")
-      .add(
-          "ambiguity_margin", &P::ambiguity_margin, "nat", atLeast(0.0),
-          "A match that is not more likely than its alternatives by this is sampled: each particle "
-          "takes one of the alternatives, as often as they are likely.")
-      .add("draw_jointly", &P::draw_jointly,
-           "Whether uncertain pairings are sampled for all features of a reading together, each "
-           "particle weighing as much as all its alternatives, as importance sampling asks for; "
-           "otherwise one feature after the other, weighing as what was sampled. For sensors that "
-           "confuse neighbouring landmarks in many readings (cameras that measure range); with a "
-           "lidar's features it makes the covariance of the pose a little too small.")
+      .add("ambiguity_margin", &P::ambiguity_margin, "nat", atLeast(0.0),
+           "A match that is not more likely than its alternatives by this is uncertain: FastSLAM "
+           "samples it, each particle takes one of the alternatives, as often as they are likely; "
+           "filters with one hypothesis ignore the feature.");
+}
+
+void addJointDraws(ParameterTable<P>& table) {
+  table.add("draw_jointly", &P::draw_jointly,
+            "Whether uncertain pairings are sampled for all features of a reading together, each "
+            "particle weighing as much as all its alternatives, as importance sampling asks for; "
+            "otherwise one feature after the other, weighing as what was sampled. For sensors that "
+            "confuse neighbouring landmarks in many readings (cameras that measure range); with a "
+            "lidar's features it makes the covariance of the pose a little too small.");
+}
+
+void addNoise(ParameterTable<P>& table) {
+  table
       .add("unknown_feature_density", &P::unknown_feature_density, "1/m^2", positive(),
            "Features that belong to no landmark, per area: the alternative to every match.")
       .add("feature_noise_floor", &P::feature_noise_floor, "m", atLeast(0.0),
            "Noise per axis added to what the detector states for each feature. More than a "
-           "detector's scatter, since its errors hardly change from scan to scan.")
+           "detector's scatter, since its errors hardly change from scan to scan.");
+}
+
+void addWeights(ParameterTable<P>& table) {
+  table
       .add(
           "evidence_exponent", &P::evidence_exponent, "", aboveUpTo(0.0, 1.0),
           "Exponent of the particles' weights. Below 1 where the errors of successive readings are "
@@ -149,18 +172,21 @@ void addAssociation(ParameterTable<P>& table) {
            "Particles are resampled when the effective ones are fewer than this fraction.");
 }
 
-void addCovariance(ParameterTable<P>& table) {
-  table.heading("Covariance of the pose (fast_slam_2)")
-      .add("drift_inflation", &P::drift_inflation, "", atLeast(1.0),
-           "Variance of the drift since the start over that of the motion model: more than 1 where "
-           "successive errors of odometry are alike and add up to more than white noise does. "
-           "Changes what is published, not the estimate.")
-      .add(
-          "pose_noise_floor", &P::pose_noise_floor, "m", atLeast(0.0),
-          "Standard deviation per axis that the common errors of features leave in the published "
-          "pose, and in its yaw at a distance of 5 m: half of it at the start and where a smoother "
-          "was followed, growing to twice it over 50 m of new ground. Changes what is published, "
-          "not the estimate.");
+void addDrift(ParameterTable<P>& table) {
+  table.add(
+      "drift_inflation", &P::drift_inflation, "", atLeast(1.0),
+      "Variance of the drift since the start over that of the motion model: more than 1 where "
+      "successive errors of odometry are alike and add up to more than white noise does. "
+      "Changes what is published, not the estimate.");
+}
+
+void addPoseNoise(ParameterTable<P>& table) {
+  table.add(
+      "pose_noise_floor", &P::pose_noise_floor, "m", atLeast(0.0),
+      "Standard deviation per axis that the common errors of features leave in the published "
+      "pose, and in its yaw at a distance of 5 m: half of it at the start and where a smoother "
+      "was followed, growing to twice it over 50 m of new ground. Changes what is published, "
+      "not the estimate.");
 }
 
 void addExistence(ParameterTable<P>& table) {
@@ -183,16 +209,21 @@ void addExistence(ParameterTable<P>& table) {
             [](const P& p) { return p.maximum_log_odds >= p.confirm_log_odds; });
 }
 
-void addTuning(ParameterTable<P>& table) {
-  table.expert("Tuning of the filter")
-      .add("association_passes", &P::association_passes, "", within(1, 10),
-           "How often features are associated, each time from the pose corrected before.")
-      .add("maximum_hypotheses", &P::maximum_hypotheses, "", within(1, 100000),
-           "About so many ways to pair the uncertain features are compared at once (draw_jointly).")
+void addPasses(ParameterTable<P>& table) {
+  table.add("association_passes", &P::association_passes, "", within(1, 10),
+            "How often features are associated, each time from the pose corrected before.");
+}
+
+void addHypotheses(ParameterTable<P>& table) {
+  table.add(
+      "maximum_hypotheses", &P::maximum_hypotheses, "", within(1, 100000),
+      "About so many ways to pair the uncertain features are compared at once (draw_jointly).");
+}
+
+void addMemory(ParameterTable<P>& table) {
+  table
       .add("quality_memory", &P::quality_memory, "", within(0.0, 1.0),
            "Weight of the past in the running means of quality, per list.")
-      .add("drift_yaw_arm_m", &P::drift_yaw_arm_m, "m", atLeast(0.0),
-           "Distance at which yaw counts as much as position where drifts are compared.")
       .include(&P::loaded_frame,
                motionGateTable("A corrected trajectory that is farther from the path in a loaded "
                                "map is not in its frame."),
@@ -211,11 +242,38 @@ void addTuning(ParameterTable<P>& table) {
 const ParameterTable<FastSlamParameters>& FastSlamParameters::table() {
   static const ParameterTable<P> table = [] {
     ParameterTable<P> rows;
-    addFilter(rows);
-    addAssociation(rows);
-    addCovariance(rows);
+    addParticles(rows);
+    addCreation(rows);
+    addMode(rows);
+    addPace(rows);
+    addGates(rows.heading("Association (fast_slam_2)"));
+    addJointDraws(rows);
+    addNoise(rows);
+    addWeights(rows);
+    addDrift(rows.heading("Covariance of the pose (fast_slam_2)"));
+    addPoseNoise(rows);
     addExistence(rows);
-    addTuning(rows);
+    addPasses(rows.expert("Tuning of the filter"));
+    addHypotheses(rows);
+    rows.add("drift_yaw_arm_m", &P::drift_yaw_arm_m, "m", atLeast(0.0),
+             "Distance at which yaw counts as much as position where drifts are compared.");
+    addMemory(rows);
+    return rows;
+  }();
+  return table;
+}
+
+const ParameterTable<FastSlamParameters>& FastSlamParameters::landmarkTable() {
+  static const ParameterTable<P> table = [] {
+    ParameterTable<P> rows;
+    addCreation(rows);
+    addPace(rows);
+    addGates(rows.heading("Association"));
+    addNoise(rows);
+    addPoseNoise(rows.heading("Covariance of the pose"));
+    addExistence(rows);
+    addPasses(rows.expert("Tuning of the filter"));
+    addMemory(rows);
     return rows;
   }();
   return table;

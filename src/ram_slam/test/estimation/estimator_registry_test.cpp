@@ -27,6 +27,21 @@ TEST(EstimatorRegistry, MakesWhatAnotherPackageAdded) {
   EXPECT_THAT(estimatorNames(), Contains("dummy"));
 }
 
+/// The one line of a filter in the registry is enough: its estimator, its parameters' file and the
+/// recovery follow from it.
+TEST(EstimatorRegistry, MakesAnEstimatorOfEachFilter) {
+  for (const auto& [name, filter] : filters()) {
+    ram_parameters::ParameterReader reader(
+        ram_parameters::readYamlFile(CONFIG_FOLDER "/" + name + ".yaml"), name);
+    const EstimatorFactory make = findEstimator(name)(reader, {});
+    EXPECT_FALSE(make()->started()) << name;
+    EXPECT_FALSE(make()->isLost()) << name;
+    ram_parameters::ParameterReader nothing(YAML::Node(), name);
+    EXPECT_THROW(startingIn(findEstimator(name)(nothing, {}), {}, {}, false), std::invalid_argument)
+        << name << " cannot be lost without a landmark";
+  }
+}
+
 TEST(EstimatorRegistry, NamesTheKnownOnesWhenAskedForAnother) {
   try {
     findEstimator("fast_slma");

@@ -35,6 +35,9 @@ public:
   Eigen::Matrix2d crossCovariance(std::size_t i, std::size_t j) const;
   /// Of m_i - m_j where both are at the same place [m^2].
   Eigen::Matrix2d differenceCovariance(std::size_t i, std::size_t j) const;
+  /// Of the landmark's position seen from the robot, but for the yaw's error, in the axes of the
+  /// map [m^2].
+  Eigen::Matrix2d covarianceFromPose(std::size_t i) const;
   /// The same belief about the pose and these landmarks, in this order, without the others.
   JointBelief part(const std::vector<std::size_t>& landmarks) const;
 

@@ -50,6 +50,19 @@ struct Evidence {
   bool hasMatched(LandmarkId id) const;
 };
 
+/// How well features have been matched recently.
+struct MatchQuality {
+  double matched_fraction = 1.0;  ///< of the features that were landmarks seen again
+  double normalised_innovation =
+      1.0;                ///< squared Mahalanobis distance per degree of freedom; 1 is expected
+  int matched_count = 0;  ///< of the last list
+  int new_count = 0;
+  int ignored_count = 0;
+
+  /// \param memory  weight of the past in the running means, in [0, 1]
+  void add(const Evidence& evidence, double memory);
+};
+
 /// FastSLAM 2.0: associates by position (Mahalanobis distance within the gate) and classifier, each
 /// landmark at most once, and corrects the pose by one confirmed landmark after the other, the
 /// most certain first. What was uncertain is associated again from the corrected pose; what stays

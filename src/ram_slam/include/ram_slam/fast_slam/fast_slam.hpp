@@ -26,15 +26,9 @@
 
 namespace ram_slam {
 
-/// How well the filter does.
-struct FastSlamQuality {
+/// How well the filter does, matches as in the best particle.
+struct FastSlamQuality : MatchQuality {
   double effective_fraction = 1.0;  ///< effective particles over all, before the last resampling
-  double matched_fraction = 1.0;    ///< of the features recently that were landmarks seen again
-  double normalised_innovation =
-      1.0;  ///< squared Mahalanobis distance per degree of freedom recently; 1 is expected
-  int matched_count = 0;  ///< of the last list, in the best particle
-  int new_count = 0;
-  int ignored_count = 0;
 };
 
 /// Simultaneous localisation and mapping with a particle per path and a Kalman filter per landmark
@@ -130,7 +124,6 @@ private:
   /// The landmark that other particles already have where this feature is and this one has not.
   std::optional<LandmarkId> idUsedElsewhere(const Observation& observation,
                                             const Particle& particle) const;
-  void rate(const Evidence& evidence);
   /// Makes the estimate's covariance that of a pose in the frame of the start.
   /// \param moved_m  since the list before
   void coverErrors(double moved_m);

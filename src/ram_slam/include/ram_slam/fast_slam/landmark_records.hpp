@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "ram_slam/fast_slam/landmark_registry.hpp"
 #include "ram_slam/fast_slam/parameters.hpp"
@@ -25,6 +26,9 @@ void requireGood(const PoseWithCovariance2& pose);
 /// \param newest_ns  stamp of the last list
 /// \throws std::invalid_argument if a feature is not good, or the list older than the last one
 void requireGood(const FeatureList& list, std::int64_t newest_ns);
+
+/// \throws std::invalid_argument if a pose of this stamp is older than the filter
+void requireNotOlder(std::int64_t stamp_ns, std::int64_t filter_ns);
 
 /// What is known of a stored landmark; its bounds are still empty. \throws std::invalid_argument if
 /// position or covariance are not good
@@ -48,6 +52,10 @@ void rememberSighting(LandmarkRecord& record,
                       const FeatureMatchers& matchers,
                       const AppearanceParameters& parameters);
 
+/// Where a landmark there can be matched. \param gate  squared Mahalanobis distance
+Eigen::AlignedBox2d boundsOf(const Eigen::Vector2d& place_m,
+                             const Eigen::Matrix2d& covariance_m2,
+                             double gate);
 /// Encloses where the landmark can be matched, in every particle.
 /// \param gate  squared Mahalanobis distance
 void refreshBounds(LandmarkRecord& record, const std::vector<Particle>& particles, double gate);

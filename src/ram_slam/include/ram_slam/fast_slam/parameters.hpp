@@ -97,6 +97,8 @@ struct FastSlamParameters {
   MapSummaryParameters summary;
 
   static const ram_parameters::ParameterTable<FastSlamParameters>& table();
+  /// The rows that matter to every filter of landmarks, with particles or without.
+  static const ram_parameters::ParameterTable<FastSlamParameters>& landmarkTable();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
   void validate() const;
 };
