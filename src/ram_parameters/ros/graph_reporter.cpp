@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_parameters/ros/graph_reporter.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 
@@ -14,6 +15,13 @@ constexpr double kPeriodS = 1.0;
 constexpr double kLogPeriodS = 30.0;
 constexpr int kChecksPerPeriod = 20;  // whether to stop
 
+bool isPublished(const std::string& topic) {
+  ros::master::V_TopicInfo topics;
+  if (!ros::master::check() || !ros::master::getTopics(topics)) return false;
+  return std::any_of(topics.begin(), topics.end(),
+                     [&](const ros::master::TopicInfo& other) { return other.name == topic; });
+}
+
 ram_parameters::GraphSight look() {
   ram_parameters::GraphSight sight;
   XmlRpc::XmlRpcValue request;
@@ -23,6 +31,7 @@ ram_parameters::GraphSight look() {
   sight.is_registered = ros::master::execute("lookupNode", request, response, payload, false);
   sight.master_answers = sight.is_registered || ros::master::check();
   sight.waits_for_clock = ros::Time::isSimTime() && ros::Time::now().isZero();
+  if (sight.waits_for_clock) sight.has_clock_source = isPublished("/clock");
   return sight;
 }
 
@@ -56,7 +65,7 @@ void GraphReporter::report() {
     has_ended_ = true;
     ros::requestShutdown();
   } else if (!problem.empty()) {
-    ROS_ERROR_STREAM_THROTTLE(kLogPeriodS, problem);
+    if (watch_.isLasting()) ROS_ERROR_STREAM_THROTTLE(kLogPeriodS, problem);
     publish(true, problem);
   } else if (was_wrong_) {
     ROS_INFO("Master and clock are there again");
@@ -74,6 +83,13 @@ void GraphReporter::publish(bool is_error, const std::string& text) {
   message.status[0].level =
       is_error ? diagnostic_msgs::DiagnosticStatus::ERROR : diagnostic_msgs::DiagnosticStatus::OK;
   message.status[0].message = text;
+  message.status[0].values.resize(is_error ? 2 : 1);
+  message.status[0].values[0].key = "link";
+  message.status[0].values[0].value = "clock";
+  if (is_error) {
+    message.status[0].values[1].key = "cause: clock: graph";
+    message.status[0].values[1].value = text;
+  }
   publisher_.publish(message);
 }
 

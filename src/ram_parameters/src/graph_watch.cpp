@@ -15,11 +15,16 @@ void GraphWatch::see(const GraphSight& sight, double interval_s) {
     problem_ =
         "the ROS master was started again and does not know this node: it ends, and must be "
         "started again (roslaunch does so with respawn:=true)";
-  } else if (without_clock_s_ >= kClockPatience_s) {
+  } else if (sight.has_clock_source && without_clock_s_ >= kPausedPatience_s) {
+    problem_ =
+        "use_sim_time is set and /clock has a publisher, but no time comes: the simulation or "
+        "rosbag play is paused; resume it";
+  } else if (!sight.has_clock_source && without_clock_s_ >= kClockPatience_s) {
     problem_ =
         "use_sim_time is set, but nothing comes on /clock: start the simulator or rosbag play "
         "--clock, or set use_sim_time to false";
   }
+  problem_s_ = problem_.empty() ? 0.0 : problem_s_ + interval_s;
 }
 
 }  // namespace ram_parameters

@@ -9,10 +9,10 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr GraphSight kGood{true, true, false};
-constexpr GraphSight kNoMaster{false, false, false};
-constexpr GraphSight kForgotten{true, false, false};
-constexpr GraphSight kNoClock{true, true, true};
+constexpr GraphSight kGood{true, true, false, true};
+constexpr GraphSight kNoMaster{false, false, false, false};
+constexpr GraphSight kForgotten{true, false, false, false};
+constexpr GraphSight kNoClock{true, true, true, false};
 
 TEST(GraphWatch, ANodeThatSeesMasterAndClockReportsNothing) {
   GraphWatch watch;
@@ -40,15 +40,27 @@ TEST(GraphWatch, ANodeThatANewMasterDoesNotKnowEnds) {
   EXPECT_THAT(watch.problem(), HasSubstr("it ends"));
 }
 
-TEST(GraphWatch, SimulatedTimeWithoutAClockIsReportedAfterThreeSeconds) {
+TEST(GraphWatch, SimulatedTimeWithoutAClockIsReportedAfterTwoSeconds) {
   GraphWatch watch;
-  watch.see(kNoClock, 1.0);
   watch.see(kNoClock, 1.0);
   EXPECT_THAT(watch.problem(), IsEmpty());
   watch.see(kNoClock, 1.0);
   EXPECT_THAT(watch.problem(), HasSubstr("nothing comes on /clock"));
+  EXPECT_FALSE(watch.isLasting()) << "a simulator that starts needs some seconds";
+  for (int i = 0; i < 4; ++i) watch.see(kNoClock, 1.0);
+  EXPECT_TRUE(watch.isLasting());
   watch.see(kGood, 1.0);
   EXPECT_THAT(watch.problem(), IsEmpty());
+  EXPECT_FALSE(watch.isLasting());
+}
+
+TEST(GraphWatch, AClockThatIsPausedIsReportedAfterTenSeconds) {
+  GraphWatch watch;
+  const GraphSight paused{true, true, true, true};
+  for (int i = 0; i < 9; ++i) watch.see(paused, 1.0);
+  EXPECT_THAT(watch.problem(), IsEmpty());
+  watch.see(paused, 1.0);
+  EXPECT_THAT(watch.problem(), HasSubstr("is paused"));
 }
 
 }  // namespace
