@@ -94,12 +94,23 @@ void CheckpointKeeper::write(const ram_slam::Checkpoint& checkpoint) {
     const std::filesystem::path folder = std::filesystem::path(path_).parent_path();
     if (!folder.empty()) std::filesystem::create_directories(folder);
     ram_slam::writeFileAtomically(path_, ram_slam::toBytes(checkpoint));
-    if (fails_) ROS_INFO_STREAM("Checkpoints are written again to " << path_);
-    fails_ = false;
+    setProblem("");
   } catch (const std::exception& error) {
-    if (!fails_) ROS_WARN_STREAM("No checkpoint can be written: " << error.what());
-    fails_ = true;
+    setProblem("no checkpoint can be written, so that a crash loses the map: " +
+               std::string(error.what()) + "; remove files, or set node/checkpoint_file");
   }
+}
+
+void CheckpointKeeper::setProblem(const std::string& problem) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (problem.empty() && !problem_.empty())
+    ROS_INFO_STREAM("Checkpoints are written again to " << path_);
+  problem_ = problem;
+}
+
+std::string CheckpointKeeper::problem() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return problem_;
 }
 
 void CheckpointKeeper::queue(std::function<void()> job) {

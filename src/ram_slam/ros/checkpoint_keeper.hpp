@@ -15,7 +15,7 @@
 namespace ram_slam_ros {
 
 /// Keeps the estimator's newest checkpoint in a file. Files are written by a thread of its own, so
-/// that a slow disk holds up nothing; one that fails is warned about once.
+/// that a slow disk holds up nothing.
 class CheckpointKeeper {
 public:
   /// \param path  empty: no checkpoints, and all functions do nothing
@@ -35,21 +35,24 @@ public:
   void keep(ram_slam::Checkpoint checkpoint);
   /// There is nothing to continue from any more: removes the file.
   void remove();
+  /// Why the newest one could not be written, and what to do; empty if it was.
+  std::string problem();
 
 private:
   void run();
   void queue(std::function<void()> job);
   void write(const ram_slam::Checkpoint& checkpoint);
   void rename(const std::string& reason);
+  void setProblem(const std::string& problem);
 
   std::string path_;
   std::int64_t period_ns_;
   std::int64_t kept_ns_ = 0;
-  bool fails_ = false;
 
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> jobs_;  ///< the first one is being done
+  std::string problem_;
   bool stop_ = false;
   std::thread thread_;
 };

@@ -68,7 +68,7 @@ FastSlamNode::FastSlamNode(ram_parameters::ParameterReader& reader)
       kinematics_(node_),
       checkpoints_(node_parameters_.checkpoint_file, node_parameters_.checkpoint_period),
       stage_(make_estimator_, kinematics_, node_parameters_.readings),
-      diagnostics_(node_parameters_.waiting.silence_s) {
+      diagnostics_(ram_slam::Link::kPose, "localisation", [this] { return report(); }) {
   advertise();
   if (!restoreCheckpoint()) publishMap();
   publishLost();
@@ -105,9 +105,12 @@ void FastSlamNode::advertise() {
 
 void FastSlamNode::subscribe() {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  for (const std::string& topic : node_parameters_.feature_topics) {
-    subscribers_.push_back(node_.subscribe(topic, 20, &FastSlamNode::onFeatures, this, hints));
-  }
+  const std::vector<std::string>& topics = node_parameters_.feature_topics;
+  for (const std::string& topic : topics) subscribeFeatures(topic, topics.size() == 1);
+  diagnostics_.need(buffer_,
+                    {node_parameters_.frames.odom, "odom_frame", node_parameters_.frames.base,
+                     "base_frame", "the node that publishes the odometry must also publish it"});
+  diagnostics_.setOutput(pose_.getTopic());
   subscribers_.push_back(
       node_.subscribe("initialpose", 2, &FastSlamNode::onInitialPose, this, hints));
   subscribers_.push_back(
@@ -121,7 +124,22 @@ void FastSlamNode::subscribe() {
     ROS_INFO_STREAM("Subscribed to " << subscriber.getTopic());
 }
 
-void FastSlamNode::onFeatures(const ros::MessageEvent<const ram_slam_msgs::FeatureList>& event) {
+void FastSlamNode::subscribeFeatures(const std::string& topic, bool is_needed) {
+  // The callback comes with the input, which is known once the topic is subscribed.
+  const auto input = std::make_shared<NodeDiagnostics::Input*>(nullptr);
+  const boost::function<void(const ros::MessageEvent<const ram_slam_msgs::FeatureList>&)> callback =
+      [this, input](const auto& event) { onFeatures(**input, event); };
+  subscribers_.push_back(node_.subscribe<ram_slam_msgs::FeatureList>(
+      topic, 20, callback, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
+  ram_slam::InputFacts facts = featuresInput();
+  facts.argument = topic;
+  facts.is_needed = is_needed;
+  *input = &diagnostics_.watch<ram_slam_msgs::FeatureList>(subscribers_.back(), facts);
+}
+
+void FastSlamNode::onFeatures(NodeDiagnostics::Input& input,
+                              const ros::MessageEvent<const ram_slam_msgs::FeatureList>& event) {
+  diagnostics_.arrived(input, event);
   const ram_slam_msgs::FeatureList& message = *event.getMessage();
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
@@ -129,7 +147,7 @@ void FastSlamNode::onFeatures(const ros::MessageEvent<const ram_slam_msgs::Featu
   }
   try {
     CheckedFeatures checked = toFeatureList(message, node_parameters_.frames.base);
-    diagnostics_.addFeatures(checked.list.features.size(), checked.rejected_count);
+    health_.addFeatures(checked.list.features.size(), checked.rejected_count);
     if (checked.rejected_count > 0) {
       ROS_WARN_STREAM_THROTTLE(
           kLogPeriodS, checked.rejected_count << " of " << message.features.size()
@@ -142,7 +160,8 @@ void FastSlamNode::onFeatures(const ros::MessageEvent<const ram_slam_msgs::Featu
     for (ram_slam::FeatureList& list : passed.messages) enqueue(std::move(list));
     queue_changed_.notify_one();
   } catch (const std::exception& error) {
-    diagnostics_.addRejectedList();
+    health_.addRejectedList();
+    diagnostics_.refused(input, error.what());
     ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected features: " << error.what());
   }
 }

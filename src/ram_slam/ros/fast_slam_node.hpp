@@ -25,6 +25,7 @@
 #include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/ros/node_diagnostics.hpp"
 #include "ram_slam/stages/authority_guard.hpp"
 #include "ram_slam/stages/estimator_stage.hpp"
 #include "ram_slam/stages/fast_slam_node_parameters.hpp"
@@ -36,7 +37,6 @@
 #include "laser_views.hpp"
 #include "map_to_odom_publisher.hpp"
 #include "matcher_plugins.hpp"
-#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
@@ -50,7 +50,8 @@ public:
   FastSlamNode& operator=(const FastSlamNode&) = delete;
 
 private:
-  void onFeatures(const ros::MessageEvent<const ram_slam_msgs::FeatureList>& event);
+  void onFeatures(NodeDiagnostics::Input& input,
+                  const ros::MessageEvent<const ram_slam_msgs::FeatureList>& event);
   void onScan(const sensor_msgs::LaserScanConstPtr& message);
   void onTransforms(const ros::MessageEvent<const tf2_msgs::TFMessage>& event);
   /// Puts a list in its place by stamp; the caller holds queue_mutex_.
@@ -64,6 +65,7 @@ private:
   bool onPause(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
 
   void subscribe();
+  void subscribeFeatures(const std::string& topic, bool is_needed);
   void advertise();
   /// The thread of the estimator.
   void run();
@@ -85,8 +87,8 @@ private:
   /// The same at the estimator's stamp.
   void publishPose();
   void publishLost();
-  /// What is wrong with the transforms and what to do; empty if nothing is.
-  std::string problemOfTransforms() const;
+  /// Never waits for the estimator.
+  NodeDiagnostics::Report report();
   void publishMap();
 
   ram_slam::FastSlamNodeParameters node_parameters_;
@@ -126,7 +128,8 @@ private:
   ram_slam::AuthorityGuard authorities_;
   std::atomic<bool> paused_{false};
   std::atomic<bool> stop_{false};
-  FastSlamDiagnostics diagnostics_;
+  FastSlamDiagnostics health_;
+  NodeDiagnostics diagnostics_;
   std::thread thread_;
 };
 

@@ -27,6 +27,7 @@ void FastSlamNode::publishPose(std::int64_t stamp_ns, const ram_slam::Pose2& map
   pose.pose = toPoseWithCovarianceMessage(estimate);
   map_to_odom_.correct(stamp_ns, map_from_base);
   pose_.publish(pose);
+  diagnostics_.answered(stamp_ns);
   amcl_pose_.publish(pose);
   if (particles_.getNumSubscribers() == 0) return;
   geometry_msgs::PoseArray particles;
@@ -44,10 +45,8 @@ void FastSlamNode::publishLost() {
                   subscribers_.empty() ? "features" : subscribers_.front().getTopic());
     queue_log_.log(queue_drops_,
                    subscribers_.empty() ? "features" : subscribers_.front().getTopic());
-    const std::string problem = problemOfTransforms();
-    if (!problem.empty()) ROS_ERROR_STREAM_THROTTLE(kLogPeriodS, problem);
-    diagnostics_.set(stage_, queue_drops_, messages_, paused_, problem);
   }
+  health_.set(stage_);
   const std::optional<ram_slam::Tracking> change = stage_.takeTrackingChange();
   if (!change) return;
   if (change->is_lost) {
@@ -68,9 +67,24 @@ void FastSlamNode::publishLost() {
   tracking_.publish(tracking);
 }
 
-std::string FastSlamNode::problemOfTransforms() const {
-  const std::string conflict = authorities_.conflict(ros::WallTime::now().toSec());
-  return conflict.empty() ? map_to_odom_.missingTransform() : conflict;
+NodeDiagnostics::Report FastSlamNode::report() {
+  NodeDiagnostics::Report report = health_.report();
+  const auto add = [&](ram_slam::Link link, ram_slam::Severity severity, const char* name,
+                       const std::string& text) {
+    if (!text.empty()) report.causes.push_back({link, severity, name, text});
+  };
+  const std::lock_guard<std::mutex> lock(queue_mutex_);
+  report.drops.add(queue_drops_);
+  report.messages = messages_;
+  add(ram_slam::Link::kTf, ram_slam::Severity::kError, "two publishers",
+      authorities_.conflict(ros::WallTime::now().toSec()));
+  add(ram_slam::Link::kKinematics, ram_slam::Severity::kError, "no kinematics",
+      kinematics_.problem());
+  add(ram_slam::Link::kPose, ram_slam::Severity::kWarning, "no checkpoint", checkpoints_.problem());
+  if (!paused_) return report;
+  report.causes = {{ram_slam::Link::kPose, ram_slam::Severity::kWarning, "paused",
+                    "paused: features are dropped until the service ~pause is called with false"}};
+  return report;
 }
 
 void FastSlamNode::publishMap() {

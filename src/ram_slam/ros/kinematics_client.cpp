@@ -21,12 +21,52 @@ constexpr std::size_t kStateSize = 3;
 template <typename Service>
 void KinematicsClient::call(ros::ServiceClient& client, const char* name, Service& service) const {
   if (!client.isValid()) client = node_.serviceClient<Service>(name, true);
-  if (client.call(service)) return;
+  const bool is_missing = !client.isValid();
+  begin(node_.resolveName(name));
+  const bool has_succeeded = client.call(service);
+  end(has_succeeded, is_missing);
+  if (has_succeeded) return;
   // Either a refusal or a broken connection; renewing it costs a millisecond. Without the master it
   // could not be renewed, and is kept.
   if (!client.isValid() || ros::master::check()) client.shutdown();
   throw std::out_of_range("service " + node_.resolveName(name) +
                           " is not there or does not cover the interval");
+}
+
+void KinematicsClient::begin(const std::string& service) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  calls_.service = service;
+  calls_.began_s = ros::SteadyTime::now().toSec();
+}
+
+void KinematicsClient::end(bool has_succeeded, bool is_missing) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const double now_s = ros::SteadyTime::now().toSec();
+  calls_.began_s = 0.0;
+  calls_.is_missing = is_missing;
+  if (has_succeeded) {
+    calls_.failing_since_s = 0.0;
+    return;
+  }
+  if (calls_.failing_since_s == 0.0) calls_.failing_since_s = now_s;
+  calls_.failed_s = now_s;
+}
+
+std::string KinematicsClient::problem() const {
+  constexpr double kPatienceS = 1.0;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const double now_s = ros::SteadyTime::now().toSec();
+  if (calls_.began_s > 0.0 && now_s - calls_.began_s > kPatienceS) {
+    return "the service " + calls_.service +
+           " does not answer: kinematics is stopped or hangs; start it again";
+  }
+  if (calls_.failing_since_s == 0.0 || now_s - calls_.failing_since_s < kPatienceS) return "";
+  return calls_.is_missing
+             ? "no node offers the service " + calls_.service +
+                   "; start kinematics (features.launch)"
+             : "the service " + calls_.service +
+                   " knows no motion up to the features: it gets no odometry of that time; see "
+                   "what kinematics reports";
 }
 
 PoseWithCovariance2 KinematicsClient::motion(std::int64_t from_ns, std::int64_t to_ns) const {

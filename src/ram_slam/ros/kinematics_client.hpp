@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <mutex>
+#include <string>
+
 #include <ros/ros.h>
 
 #include "ram_slam/motion/motion_model.hpp"
@@ -22,10 +25,27 @@ public:
                                       std::int64_t to_ns,
                                       std::uint64_t seed) const override;
 
+  /// Why there have been no answers for a second, and what to do; empty if there are some. Any
+  /// thread may call.
+  std::string problem() const;
+
 private:
+  /// What problem() needs to know of the calls.
+  struct Calls {
+    double began_s = 0.0;          ///< the one that goes on; 0: none does
+    double failing_since_s = 0.0;  ///< 0: the newest one did not fail
+    double failed_s = 0.0;         ///< the newest failure
+    bool is_missing = false;       ///< no node offers the service
+    std::string service;
+  };
+  void begin(const std::string& service) const;
+  void end(bool has_succeeded, bool is_missing) const;
+
   template <typename Service>
   void call(ros::ServiceClient& client, const char* name, Service& service) const;
 
+  mutable std::mutex mutex_;
+  mutable Calls calls_;
   mutable ros::NodeHandle node_;
   mutable ros::ServiceClient predict_;
   mutable ros::ServiceClient sample_;

@@ -12,7 +12,8 @@
 
 namespace ram_slam_ros {
 LandmarkSmootherNode::LandmarkSmootherNode(ram_parameters::ParameterReader& reader)
-    : kinematics_(node_) {
+    : kinematics_(node_),
+      diagnostics_(ram_slam::Link::kPose, "smoothing", [this] { return report(); }) {
   parameters_ = ram_slam::readLandmarkSmootherParameters(reader);
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   smoothed_trajectory_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, kLatched);
@@ -23,13 +24,30 @@ LandmarkSmootherNode::LandmarkSmootherNode(ram_parameters::ParameterReader& read
       node_.subscribe("trajectory", 1, &LandmarkSmootherNode::onTrajectory, this),
       node_.subscribe("landmarks", 1, &LandmarkSmootherNode::onLandmarks, this)};
   smooth_service_ = private_node_.advertiseService("smooth", &LandmarkSmootherNode::onSmooth, this);
+  features_input_ =
+      &diagnostics_.watch<ram_slam_msgs::FeatureList>(subscribers_.front(), featuresInput());
   for (const ros::Subscriber& subscriber : subscribers_)
     ROS_INFO_STREAM("Subscribed to " << subscriber.getTopic());
 }
 
-void LandmarkSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message) {
+NodeDiagnostics::Report LandmarkSmootherNode::report() const {
+  NodeDiagnostics::Report report;
+  report.drops = drops_;
+  report.values = {{"lists that can be smoothed", static_cast<double>(steps_.size())}};
+  const std::string problem = kinematics_.problem();
+  if (!problem.empty()) {
+    report.causes.push_back(
+        {ram_slam::Link::kKinematics, ram_slam::Severity::kError, "no kinematics", problem});
+  }
+  return report;
+}
+
+void LandmarkSmootherNode::onFeatures(
+    const ros::MessageEvent<const ram_slam_msgs::FeatureList>& event) {
+  diagnostics_.arrived(*features_input_, event);
   try {
-    const ram_slam::FeatureList checked = toFeatureList(message, parameters_.base_frame).list;
+    const ram_slam::FeatureList checked =
+        toFeatureList(*event.getMessage(), parameters_.base_frame).list;
     auto passed = guard_.add(checked.stamp_ns, checked, drops_);
     if (passed.is_set_back) restart();
     for (ram_slam::FeatureList& list : passed.messages) {
@@ -41,6 +59,7 @@ void LandmarkSmootherNode::onFeatures(const ram_slam_msgs::FeatureList& message)
       waiting_.push_back(std::move(list));
     }
   } catch (const std::exception& error) {
+    diagnostics_.refused(*features_input_, error.what());
     ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Rejected features: " << error.what());
   }
   drop_log_.log(drops_, subscribers_.front().getTopic());

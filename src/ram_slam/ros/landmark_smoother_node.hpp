@@ -11,11 +11,11 @@
 #include <std_srvs/Trigger.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/ros/node_diagnostics.hpp"
 #include "ram_slam/smoothing/landmark_smoother.hpp"
 #include "ram_slam/stages/input_guard.hpp"
 
 #include "kinematics_client.hpp"
-#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
@@ -28,10 +28,11 @@ public:
   explicit LandmarkSmootherNode(ram_parameters::ParameterReader& reader);
 
 private:
-  void onFeatures(const ram_slam_msgs::FeatureList& message);
+  void onFeatures(const ros::MessageEvent<const ram_slam_msgs::FeatureList>& event);
   void onTrajectory(const nav_msgs::Path& message);
   void onLandmarks(const ram_slam_msgs::LandmarkMap& message);
   bool onSmooth(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  NodeDiagnostics::Report report() const;
   /// The clock was set back.
   void restart();
   /// Moves lists whose motion the kinematics knows by now from `waiting_` to `steps_`.
@@ -54,6 +55,8 @@ private:
   std::vector<ros::Subscriber> subscribers_;
   ros::Publisher smoothed_trajectory_, smoothed_landmarks_;
   ros::ServiceServer smooth_service_;
+  NodeDiagnostics diagnostics_;
+  NodeDiagnostics::Input* features_input_ = nullptr;
 };
 
 }  // namespace ram_slam_ros

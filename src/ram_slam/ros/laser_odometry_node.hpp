@@ -8,10 +8,10 @@
 #include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/ros/node_diagnostics.hpp"
 #include "ram_slam/stages/odometry_stage.hpp"
 
 #include "mounted_scans.hpp"
-#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
@@ -24,7 +24,8 @@ public:
 
 private:
   void onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event);
-  void onOdometry(const nav_msgs::Odometry& message);
+  void onOdometry(const ros::MessageEvent<const nav_msgs::Odometry>& event);
+  NodeDiagnostics::Report report() const;
   void processWaiting();
   void publish(const ram_slam::LaserOdometryEstimate& estimate);
   void publish(std::int64_t stamp_ns, const ram_slam::PoseWithCovariance2& odom_from_base);
@@ -38,11 +39,14 @@ private:
   MountedScans scans_;
   ram_slam::InputGuard<ram_slam::StampedPose2> odometry_guard_;
   DropLog drop_log_;
+  ros::SteadyTime stuck_;  ///< when the wheels were seen to be stuck the last time
   ros::NodeHandle node_;
   ros::Publisher publisher_;
   ros::Subscriber scan_subscriber_;
   ros::Subscriber odometry_subscriber_;
-  StageDiagnostics diagnostics_;
+  NodeDiagnostics diagnostics_;
+  NodeDiagnostics::Input& scan_input_;
+  NodeDiagnostics::Input* odometry_input_ = nullptr;
 };
 
 }  // namespace ram_slam_ros

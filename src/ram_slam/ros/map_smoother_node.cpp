@@ -18,13 +18,7 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
     : parameters_(ram_slam::readMapSmootherParameters(reader)),
       stage_(parameters_, matchers_.matchers(), loadScans(parameters_.initial_map)),
       scans_(parameters_.base_frame, transforms_),
-      diagnostics_("smoothing", [this]() -> StageDiagnostics::Report {
-        return {stage_.drops(),
-                {{"key scans", static_cast<double>(stage_.smoother().keyScans().size())},
-                 {"loop closures", static_cast<double>(stage_.smoother().closures().size())},
-                 {"corrections published", correction_count_}},
-                scans_.messages()};
-      }) {
+      diagnostics_(ram_slam::Link::kPose, "smoothing", [this] { return report(); }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   publisher_ = node_.advertise<nav_msgs::Path>("smoothed_trajectory", 1, kLatched);
   map_pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>("map_pose", 100);
@@ -39,16 +33,38 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
       private_node_.advertiseService("optimize", &MapSmootherNode::onOptimize, this);
   undo_service_ =
       private_node_.advertiseService("undo_closure", &MapSmootherNode::onUndoClosure, this);
+  scan_input_ = &diagnostics_.watch<sensor_msgs::LaserScan>(scan_subscriber_, scanInput());
+  odometry_input_ =
+      &diagnostics_.watch<nav_msgs::Odometry>(odometry_subscriber_, refinedOdometryInput());
+  diagnostics_.needMount(transforms_, parameters_.base_frame);
+  // In a loaded map it waits for the robot to be found.
+  if (parameters_.initial_map.empty()) diagnostics_.setOutput(status_publisher_.getTopic());
   ROS_INFO_STREAM("Smoothing " << odometry_subscriber_.getTopic() << " by "
                                << scan_subscriber_.getTopic() << " into " << publisher_.getTopic());
 }
 
+NodeDiagnostics::Report MapSmootherNode::report() const {
+  NodeDiagnostics::Report report;
+  report.drops = stage_.drops();
+  report.values = {{"key scans", static_cast<double>(stage_.smoother().keyScans().size())},
+                   {"loop closures", static_cast<double>(stage_.smoother().closures().size())},
+                   {"corrections published", correction_count_}};
+  report.messages = scans_.messages();
+  return report;
+}
+
 void MapSmootherNode::onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
+  diagnostics_.arrived(*scan_input_, event);
+  const std::uint64_t drops_before = stage_.drops().total();
   scans_.add(event, stage_.drops());
+  diagnostics_.refusedIfDropped(*scan_input_, stage_.drops(), drops_before);
   processWaiting();
 }
 
-void MapSmootherNode::onOdometry(const nav_msgs::Odometry& message) {
+void MapSmootherNode::onOdometry(const ros::MessageEvent<const nav_msgs::Odometry>& event) {
+  diagnostics_.arrived(*odometry_input_, event);
+  const nav_msgs::Odometry& message = *event.getMessage();
+  const std::uint64_t drops_before = stage_.drops().total();
   const std::int64_t stamp_ns = toNanoseconds(message.header.stamp);
   try {
     const ram_slam::StampedPose2 reading{stamp_ns, toPose2(message.pose.pose)};
@@ -57,6 +73,7 @@ void MapSmootherNode::onOdometry(const nav_msgs::Odometry& message) {
   } catch (const std::exception& error) {
     stage_.drops().add(ram_slam::DropReason::kInvalidOdometry, stamp_ns, error.what());
   }
+  diagnostics_.refusedIfDropped(*odometry_input_, stage_.drops(), drops_before);
   processWaiting();
 }
 
@@ -130,6 +147,7 @@ void MapSmootherNode::publishStatus(std::int64_t stamp_ns) {
   status.closure_count = static_cast<std::uint32_t>(stage_.smoother().closures().size());
   status.correction_count = correction_count_;
   status_publisher_.publish(status);
+  diagnostics_.answered(stamp_ns);
 }
 
 bool MapSmootherNode::onOptimize(std_srvs::Trigger::Request& /*request*/,

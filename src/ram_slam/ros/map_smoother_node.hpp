@@ -13,11 +13,11 @@
 #include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/ros/node_diagnostics.hpp"
 #include "ram_slam/stages/smoothing_stage.hpp"
 
 #include "matcher_plugins.hpp"
 #include "mounted_scans.hpp"
-#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
@@ -34,11 +34,12 @@ public:
 
 private:
   void onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event);
-  void onOdometry(const nav_msgs::Odometry& message);
+  void onOdometry(const ros::MessageEvent<const nav_msgs::Odometry>& event);
   void onFeatures(const ram_slam_msgs::FeatureList& message);
   void onTracking(const ram_slam_msgs::Tracking& message);
   bool onOptimize(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onUndoClosure(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  NodeDiagnostics::Report report() const;
   void processWaiting();
   void logNewClosures();
   void publish(const ram_slam::Trajectory& smoothed);
@@ -68,7 +69,9 @@ private:
   ros::Subscriber tracking_subscriber_;
   ros::ServiceServer optimize_service_;
   ros::ServiceServer undo_service_;
-  StageDiagnostics diagnostics_;
+  NodeDiagnostics diagnostics_;
+  NodeDiagnostics::Input* scan_input_ = nullptr;
+  NodeDiagnostics::Input* odometry_input_ = nullptr;
 };
 
 }  // namespace ram_slam_ros

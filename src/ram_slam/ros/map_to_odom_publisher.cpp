@@ -11,12 +11,6 @@
 #include "node_defaults.hpp"
 
 namespace ram_slam_ros {
-namespace {
-
-constexpr auto kMissingAfter = std::chrono::seconds(2);  // a driver that starts later is slow
-
-}  // namespace
-
 MapToOdomPublisher::MapToOdomPublisher(const ram_slam::Frames& frames,
                                        const ram_slam::MapToOdomParameters& parameters,
                                        double ahead_s,
@@ -77,37 +71,15 @@ void MapToOdomPublisher::run() {
 
 void MapToOdomPublisher::applyCorrection() {
   if (!pending_) return;
-  if (!waiting_since_) waiting_since_ = std::chrono::steady_clock::now();
   try {
     const auto odom_from_base =
         buffer_.lookupTransform(frames_.odom, frames_.base, toTime(pending_->stamp_ns));
     map_from_odom_ = pending_->map_from_base * toPose2(odom_from_base.transform).inverse();
     pending_.reset();
-    waiting_since_.reset();
     changed_ = true;
   } catch (const std::exception& error) {
-    if (isMissing()) {
-      ROS_WARN_STREAM_THROTTLE(kLogPeriodS, missingText() << " (" << error.what() << ")");
-    } else {
-      ROS_DEBUG_STREAM_THROTTLE(kLogPeriodS, "Waiting for odometry in tf: " << error.what());
-    }
+    ROS_DEBUG_STREAM_THROTTLE(kLogPeriodS, "Waiting for odometry in tf: " << error.what());
   }
-}
-
-bool MapToOdomPublisher::isMissing() const {
-  return waiting_since_ && std::chrono::steady_clock::now() - *waiting_since_ > kMissingAfter;
-}
-
-std::string MapToOdomPublisher::missingText() const {
-  return "no transform " + frames_.odom + " -> " + frames_.base + " on tf, so " + frames_.map +
-         " -> " + frames_.odom +
-         " is not published: the node that publishes the odometry must also publish this "
-         "transform, or set base_frame and odom_frame to the frames that it uses";
-}
-
-std::string MapToOdomPublisher::missingTransform() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return isMissing() ? missingText() : "";
 }
 
 void MapToOdomPublisher::publishIfDue() {

@@ -36,8 +36,6 @@ public:
   /// How the base moved in the odometry frame, if tf knows. A jump of that frame's origin is no
   /// motion.
   std::optional<ram_slam::Pose2> odometryBetween(std::int64_t from_ns, std::int64_t to_ns) const;
-  /// The transform that has been missing for 2 s, and who should publish it; empty if none is.
-  std::string missingTransform() const;
   /// Back to map = odom, after the clock was set back.
   void reset();
 
@@ -50,8 +48,6 @@ private:
   void publishIfDue();
   void publish(std::int64_t now_ns);
   void applyCorrection();
-  bool isMissing() const;
-  std::string missingText() const;
 
   ram_slam::Frames frames_;
   ram_slam::MapToOdomParameters parameters_;
@@ -67,8 +63,6 @@ private:
   ram_slam::InputGuard<std::int64_t> clock_guard_;
   ram_slam::DropCounter clock_drops_;
   bool changed_ = false;
-  /// Since when corrections wait for the odometry in tf.
-  std::optional<std::chrono::steady_clock::time_point> waiting_since_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

@@ -18,12 +18,7 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
     : parameters_(ram_slam::readOccupancyMapperParameters(reader)),
       stage_(parameters_, loadScans(parameters_.initial_map)),
       scans_(parameters_.base_frame, transforms_),
-      diagnostics_("mapping", [this]() -> StageDiagnostics::Report {
-        const std::lock_guard lock(map_mutex_);
-        return {stage_.drops(),
-                {{"scans in the map", static_cast<double>(stage_.scanCount())}},
-                scans_.messages()};
-      }) {
+      diagnostics_(ram_slam::Link::kMap, "mapping", [this] { return report(); }) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   map_publisher_ = node_.advertise<nav_msgs::OccupancyGrid>("map", 1, kLatched);
   metadata_publisher_ = node_.advertise<nav_msgs::MapMetaData>("map_metadata", 1, kLatched);
@@ -50,19 +45,43 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
                                     [this](const auto&) { publishUpdate(); });
   waiting_timer_ = node_.createWallTimer(ros::WallDuration(parameters_.waiting_poll_s),
                                          [this](const auto&) { mapWaiting(); });
-  silence_timer_ = node_.createWallTimer(ros::WallDuration(parameters_.silence_report_s),
-                                         [this](const auto&) { reportSilence(); });
+  scan_input_ = &diagnostics_.watch<sensor_msgs::LaserScan>(scan_subscriber_, scanInput());
+  diagnostics_.needMount(transforms_, parameters_.base_frame);
+  diagnostics_.need(transforms_, {parameters_.map_frame, "", parameters_.base_frame, "",
+                                  "the estimator publishes " + parameters_.map_frame +
+                                      " -> odom, the robot the rest; see what fast_slam reports",
+                                  ram_slam::Link::kPose});
+  diagnostics_.setOutput(map_publisher_.getTopic(), 2.0 + parameters_.transform_timeout_s);
   ROS_INFO_STREAM("Mapping " << scan_subscriber_.getTopic() << " at " << parameters_.resolution
                              << " m into " << map_publisher_.getTopic() << " in frame "
                              << parameters_.map_frame << "; corrections from "
                              << correction_subscriber_.getTopic());
 }
 
-void OccupancyMapperNode::onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
+NodeDiagnostics::Report OccupancyMapperNode::report() {
+  NodeDiagnostics::Report report;
   {
     const std::lock_guard lock(map_mutex_);
-    ++received_count_;
-    if (scans_.add(event, stage_.drops())) {
+    report.drops = stage_.drops();
+    report.values = {{"scans in the map", static_cast<double>(stage_.scanCount())}};
+    report.messages = scans_.messages();
+    if (is_lost_) {
+      report.causes.push_back({ram_slam::Link::kPose, ram_slam::Severity::kWarning, "lost",
+                               "the robot is lost: no scans are drawn until it is found"});
+    }
+  }
+  addDiskCause(parameters_.map_folder, report.causes);
+  return report;
+}
+
+void OccupancyMapperNode::onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
+  diagnostics_.arrived(*scan_input_, event);
+  {
+    const std::lock_guard lock(map_mutex_);
+    const std::uint64_t drops_before = stage_.drops().total();
+    const bool is_set_back = scans_.add(event, stage_.drops());
+    diagnostics_.refusedIfDropped(*scan_input_, stage_.drops(), drops_before);
+    if (is_set_back) {
       ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic()
                                        << " were set back: the map starts again");
       restart();
@@ -101,6 +120,7 @@ bool OccupancyMapperNode::map(const ram_slam::MountedScan& scan, double waited_s
     const ram_slam::Pose2 map_from_base = poseAt(stamp_ns);
     stage_.add(scan, map_from_base, lastBeam(scan, map_from_base));
     newest_mapped_ns_ = stamp_ns;
+    diagnostics_.answered(stamp_ns);
     if (!ever_mapped_) ROS_INFO_STREAM("Mapped the first scan of " << scan_subscriber_.getTopic());
     ever_mapped_ = true;
   } catch (const std::exception& error) {
@@ -151,6 +171,7 @@ void OccupancyMapperNode::onTracking(const ram_slam_msgs::Tracking& message) {
     const ram_slam::Tracking tracking = toTracking(message, parameters_.map_frame);
     const std::lock_guard lock(map_mutex_);
     removed_count = stage_.set(tracking);
+    is_lost_ = tracking.is_lost;
   } catch (const std::exception& error) {
     ROS_WARN_STREAM("Refused a message on " << tracking_subscriber_.getTopic() << ": "
                                             << error.what());
@@ -277,19 +298,6 @@ bool OccupancyMapperNode::onReset(std_srvs::Trigger::Request&,
   response.message = "the map starts again";
   ROS_INFO_STREAM(response.message);
   return true;
-}
-
-void OccupancyMapperNode::reportSilence() {
-  const std::lock_guard lock(map_mutex_);
-  if (received_count_ == 0) {
-    ROS_WARN_STREAM_THROTTLE(6 * parameters_.silence_report_s,
-                             "No scan on " << scan_subscriber_.getTopic() << " for "
-                                           << parameters_.silence_report_s << " s");
-  } else if (!ever_mapped_) {
-    ROS_WARN_STREAM_THROTTLE(6 * parameters_.silence_report_s,
-                             "Scans arrive, but none could be mapped: " << last_problem_);
-  }
-  received_count_ = 0;
 }
 
 }  // namespace ram_slam_ros

@@ -20,10 +20,10 @@
 #include <tf2_ros/transform_listener.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/ros/node_diagnostics.hpp"
 #include "ram_slam/stages/mapping_stage.hpp"
 
 #include "mounted_scans.hpp"
-#include "stage_diagnostics.hpp"
 
 namespace ram_slam_ros {
 
@@ -64,7 +64,7 @@ private:
   void restart();
   void publishMap();
   void publishUpdate();
-  void reportSilence();
+  NodeDiagnostics::Report report();
   /// Brings grid_ up to date; the caller holds publish_mutex_.
   ram_slam::GridChange refreshGrid();
   ram_slam::OccupancyGrid wholeGrid();
@@ -87,7 +87,7 @@ private:
   MountedScans scans_;
   std::deque<Waiting> waiting_;
   std::atomic<std::int64_t> newest_mapped_ns_ = 0;
-  int received_count_ = 0;  ///< since the last report of silence
+  bool is_lost_ = false;
   bool ever_mapped_ = false;
   std::string last_problem_ = "no transform yet";
   DropLog drop_log_;
@@ -115,8 +115,8 @@ private:
   ros::Timer publish_timer_;
   ros::Timer update_timer_;
   ros::WallTimer waiting_timer_;
-  ros::WallTimer silence_timer_;
-  StageDiagnostics diagnostics_;
+  NodeDiagnostics diagnostics_;
+  NodeDiagnostics::Input* scan_input_ = nullptr;
 };
 
 }  // namespace ram_slam_ros

@@ -52,7 +52,8 @@ WorldMapNodeParameters readWorldMapNodeParameters(ram_parameters::ParameterReade
 }
 
 WorldMapNode::WorldMapNode(ram_parameters::ParameterReader& reader)
-    : parameters_(readWorldMapNodeParameters(reader)) {
+    : parameters_(readWorldMapNodeParameters(reader)),
+      diagnostics_(ram_slam::Link::kMap, "store", [this] { return report(); }) {
   if (!parameters_.initial_map.empty())
     map_ = ram_slam::loadWorldMap(ram_slam::expandHome(parameters_.initial_map));
   if (parameters_.read_only) {
@@ -101,6 +102,16 @@ void WorldMapNode::store(const Message& message, const Convert& convert) {
     ROS_WARN_STREAM_THROTTLE(kLogPeriodS, "Refused a " << ros::message_traits::datatype<Message>()
                                                        << ": " << error.what());
   }
+}
+
+NodeDiagnostics::Report WorldMapNode::report() {
+  NodeDiagnostics::Report report;
+  report.state = parameters_.read_only ? "the saved map is published" : "what comes is stored";
+  addDiskCause(parameters_.map_folder, report.causes);
+  const std::lock_guard lock(map_mutex_);
+  report.values = {{"grids", static_cast<double>(map_.occupancies().size())},
+                   {"landmarks", static_cast<double>(map_.landmarks().landmarks.size())}};
+  return report;
 }
 
 ram_slam::WorldMap WorldMapNode::snapshot() {

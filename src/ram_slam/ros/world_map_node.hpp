@@ -17,6 +17,7 @@
 #include <ros/ros.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/ros/node_diagnostics.hpp"
 #include "ram_slam/world_map/world_map.hpp"
 
 namespace ram_slam_ros {
@@ -67,6 +68,7 @@ private:
   /// Publishes the map that was loaded.
   void publishMap();
   ram_slam::WorldMap snapshot();
+  NodeDiagnostics::Report report();
 
   WorldMapNodeParameters parameters_;
   std::mutex map_mutex_;
@@ -78,6 +80,7 @@ private:
   std::vector<ros::Subscriber> subscribers_;
   ros::Publisher map_publisher_;
   ros::Publisher metadata_publisher_;
+  NodeDiagnostics diagnostics_;
 };
 
 }  // namespace ram_slam_ros

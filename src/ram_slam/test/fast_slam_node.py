@@ -210,11 +210,14 @@ class FastSlamNode(PlayedRobot):
             self.broadcaster.sendTransform(transform)
             self.drive(1)
             status = self.localisation()
-            return status.level == 2 and "two nodes publish the transform to odom" in status.message
+            return status.level == 2 and any("two nodes publish the transform to odom" in value.value
+                                             for value in status.values)
 
         self.assertTrue(wait_until(is_reported))
-        self.assertIn(rospy.get_name(), self.localisation().message)
-        self.assertTrue(any("two nodes publish" in log.msg for log in self.logs.messages))
+        self.assertTrue(any("two nodes" in value.value and rospy.get_name() in value.value
+                            for value in self.localisation().values))
+        self.assertTrue(wait_until(lambda: is_reported() and any(
+            "two nodes publish" in log.msg for log in self.logs.messages)))
 
     def test_initial_pose_is_taken_over_or_rejected(self):  # F132
         self.drive(3)
@@ -282,7 +285,7 @@ class FastSlamNode(PlayedRobot):
         lost = self.drive(1)
         self.assertGreater(lost.pose.covariance[0], 1000.0)
         self.assertTrue(wait_until(lambda: any(
-            status.level == 2 and status.message.startswith("lost")
+            status.level == 2 and any(value.value.startswith("lost: ") for value in status.values)
             for message in self.diagnostics.messages[-10:] for status in message.status
             if status.name.endswith("localisation"))))
         for _ in range(300):

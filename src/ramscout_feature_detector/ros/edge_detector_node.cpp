@@ -15,6 +15,7 @@ EdgeDetectorNode::EdgeDetectorNode(ram_parameters::ParameterReader& reader)
       markers_publisher_(
           ros::NodeHandle().advertise<visualization_msgs::MarkerArray>("feature_markers", 1)),
       input_(detector_.parameters().node,
+             features_publisher_.getTopic(),
              [this](const auto& scan, const auto& pose) { detect(scan, pose); }) {
   ROS_INFO_STREAM("Searching for edges, publishing features in frame "
                   << detector_.parameters().node.base_frame);

@@ -18,6 +18,7 @@ FeatureDetectorNode::FeatureDetectorNode(ram_parameters::ParameterReader& reader
           ros::NodeHandle().advertise<visualization_msgs::MarkerArray>("feature_markers", 1)),
       image_publisher_(ros::NodeHandle().advertise<sensor_msgs::Image>("feature_image", 1)),
       input_(detector_.parameters().node,
+             features_publisher_.getTopic(),
              [this](const auto& scan, const auto& pose) { detect(scan, pose); }) {
   for (const std::string& warning : detector_.parameters().warnings()) ROS_WARN_STREAM(warning);
   ROS_INFO_STREAM("Searching for corners, publishing features in frame "

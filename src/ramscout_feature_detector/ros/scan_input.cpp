@@ -35,8 +35,6 @@ std::vector<std::string> oddities(const sensor_msgs::LaserScan& message,
   }
   if (!ram_slam_ros::hasRangeLimit(message)) {
     found.push_back("range_max is no limit; 100 m is assumed");
-  } else if (ram_slam_ros::countAtLimit(message) > 0) {
-    found.push_back("readings at range_max; taken to mean that nothing came back");
   }
   if (!isDuration(message.scan_time)) found.push_back("scan_time is no duration; it is not used");
   if (!message.intensities.empty() && message.intensities.size() != message.ranges.size()) {
@@ -60,32 +58,40 @@ bool isBlind(const ram_slam::LaserScan& scan) {
 }  // namespace
 
 ScanInput::ScanInput(const ramscout_feature_detector::DetectorNodeParameters& parameters,
+                     const std::string& output,
                      Callback use)
-    : parameters_(parameters), use_(std::move(use)), tf_listener_(tf_buffer_) {
-  ros::NodeHandle node;
-  silence_timer_ = node.createWallTimer(ros::WallDuration(parameters_.log_period_s),
-                                        [this](const ros::WallTimerEvent&) { explainSilence(); });
-  scan_subscriber_ =
-      node.subscribe("scan", 100, &ScanInput::onScan, this, ros::TransportHints().tcpNoDelay());
+    : parameters_(parameters),
+      use_(std::move(use)),
+      tf_listener_(tf_buffer_),
+      scan_subscriber_(ros::NodeHandle().subscribe(
+          "scan", 100, &ScanInput::onScan, this, ros::TransportHints().tcpNoDelay())),
+      diagnostics_(ram_slam::Link::kFeatures, "features", [this] { return report(); }),
+      scan_input_(
+          diagnostics_.watch<sensor_msgs::LaserScan>(scan_subscriber_, ram_slam_ros::scanInput())) {
+  diagnostics_.needMount(tf_buffer_, parameters_.base_frame);
+  diagnostics_.setOutput(output);
 }
 
-void ScanInput::explainSilence() {
-  ros::master::V_TopicInfo topics;
-  if (!ros::master::getTopics(topics)) return;
-  const std::string wanted = ros::message_traits::datatype<sensor_msgs::LaserScan>();
-  for (const ros::master::TopicInfo& topic : topics) {
-    if (topic.name == scan_subscriber_.getTopic() && topic.datatype != wanted) {
-      ROS_ERROR_STREAM("No scans: " << topic.name << " carries " << topic.datatype << ", not "
-                                    << wanted);
-    }
-  }
+ram_slam_ros::NodeDiagnostics::Report ScanInput::report() const {
+  ram_slam_ros::NodeDiagnostics::Report report;
+  report.drops = drops_;
+  report.messages = messages_;
+  return report;
 }
 
-void ScanInput::onScan(const sensor_msgs::LaserScan& message) {
-  silence_timer_.stop();
+void ScanInput::onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
+  const sensor_msgs::LaserScan& message = *event.getMessage();
+  diagnostics_.arrived(scan_input_, event);
+  messages_.add(event.getPublisherName(), message.header.seq);
+  const std::int64_t stamp_ns = ram_slam_ros::toNanoseconds(message.header.stamp);
   try {
     process(message);
+    diagnostics_.answered(stamp_ns);
+  } catch (const tf2::TransformException& error) {
+    drops_.add(ram_slam::DropReason::kNoMount, stamp_ns, error.what());
   } catch (const std::exception& error) {
+    drops_.add(ram_slam::DropReason::kInvalidScan, stamp_ns, error.what());
+    diagnostics_.refused(scan_input_, error.what());
     ROS_WARN_STREAM_THROTTLE(parameters_.log_period_s, "Skipped a scan: " << error.what());
   }
 }
@@ -98,6 +104,10 @@ void ScanInput::process(const sensor_msgs::LaserScan& message) {
   ros::Time& last_stamp = last_stamps_[laser_frame];
   if (message.header.stamp == last_stamp) return;  // the same message again
   last_stamp = message.header.stamp;
+  // Usual, and no reason to worry.
+  const std::string at_limit = "readings at range_max; taken to mean that nothing came back";
+  if (ram_slam_ros::countAtLimit(message) > 0 && warned_.insert(laser_frame + at_limit).second)
+    ROS_INFO_STREAM("Scan of " << laser_frame << ": " << at_limit);
   for (const std::string& oddity : oddities(message, scan)) {
     if (warned_.insert(laser_frame + oddity).second) {
       ROS_WARN_STREAM("Scan of " << laser_frame << ": " << oddity << " (warned once)");

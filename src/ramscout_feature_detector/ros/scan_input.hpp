@@ -13,6 +13,7 @@
 
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/ros/mounting.hpp"
+#include "ram_slam/ros/node_diagnostics.hpp"
 #include "ram_slam/sensing/laser_scan.hpp"
 #include "ramscout_feature_detector/shared_parameters.hpp"
 
@@ -20,7 +21,7 @@ namespace ramscout_feature_detector_ros {
 
 /// Subscribes `scan` and passes on each scan once, as an upright laser would have given it, with
 /// the pose of the laser. What cannot be used is skipped with a warning; of what is odd but can be
-/// used it warns once. Until the first scan it reports if the topic carries another type.
+/// used it warns once. States on /diagnostics how the detector does.
 ///
 /// The mounting of each laser (frame of the scan) is read from tf once: lasers are bolted on.
 class ScanInput {
@@ -28,12 +29,15 @@ public:
   using Callback =
       std::function<void(const ram_slam::LaserScan&, const ram_slam::Pose2& base_from_laser)>;
 
-  /// \param use  may throw: the scan is then skipped with a warning
-  ScanInput(const ramscout_feature_detector::DetectorNodeParameters& parameters, Callback use);
+  /// \param output  topic of the features
+  /// \param use  publishes them; may throw: the scan is then skipped with a warning
+  ScanInput(const ramscout_feature_detector::DetectorNodeParameters& parameters,
+            const std::string& output,
+            Callback use);
 
 private:
-  void explainSilence();
-  void onScan(const sensor_msgs::LaserScan& message);
+  void onScan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event);
+  ram_slam_ros::NodeDiagnostics::Report report() const;
   void process(const sensor_msgs::LaserScan& message);
   /// \throws tf2::TransformException if it is not known, std::invalid_argument if the laser is not
   /// level
@@ -46,8 +50,11 @@ private:
   std::map<std::string, ram_slam_ros::Mounting> mountings_;
   std::map<std::string, ros::Time> last_stamps_;
   std::set<std::string> warned_;
-  ros::WallTimer silence_timer_;
+  ram_slam::DropCounter drops_;
+  ram_slam::LossCounter messages_;
   ros::Subscriber scan_subscriber_;
+  ram_slam_ros::NodeDiagnostics diagnostics_;
+  ram_slam_ros::NodeDiagnostics::Input& scan_input_;
 };
 
 }  // namespace ramscout_feature_detector_ros

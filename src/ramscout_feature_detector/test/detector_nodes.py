@@ -9,6 +9,7 @@ import unittest
 
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
 from ram_slam_msgs.msg import FeatureList
 from rosgraph_msgs.msg import Log
@@ -192,13 +193,14 @@ class DetectorNodes(unittest.TestCase):
             self.assertEqual(self.corners_of(scan), 4, value)
 
     def test_what_is_assumed_about_the_range_limit_is_reported(self):
-        for range_max, text in ((math.inf, "range_max is no limit; 100 m is assumed"),
-                                (2.0, "readings at range_max; taken to mean that nothing came back")):
+        for range_max, level, text in (
+                (math.inf, Log.WARN, "range_max is no limit; 100 m is assumed"),
+                (2.0, Log.INFO, "readings at range_max; taken to mean that nothing came back")):
             scan = self.scan()
             scan.range_max = range_max
             self.assertIsNotNone(self.send_and_wait(scan))
             for node in ("/feature_detector", "/edge_detector"):
-                self.assertTrue(self.wait_until(lambda: self.logged(node, Log.WARN, text)), (node, text))
+                self.assertTrue(self.wait_until(lambda: self.logged(node, level, text)), (node, text))
 
     def test_a_message_that_comes_twice_counts_once(self):
         scan = self.scan()
@@ -266,8 +268,19 @@ class DetectorNodes(unittest.TestCase):
 
     def test_a_topic_of_another_type_is_named(self):
         other = rospy.Publisher("no_scan", String, queue_size=1)
-        self.assertTrue(self.prints("edge_detector", "no_scan", "/no_scan carries std_msgs/String"))
-        other.unregister()
+        texts = []
+        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda message: texts.extend(
+            status.message for status in message.status if "bare_edge_detector" in status.name))
+        node = subprocess.Popen(["rosrun", "ramscout_feature_detector", "edge_detector", "__name:=bare_edge_detector",
+                                 "scan:=no_scan", "features:=nowhere"], stderr=subprocess.DEVNULL)
+        try:
+            self.assertTrue(self.wait_until(lambda: any(
+                "carries std_msgs/String, not sensor_msgs/LaserScan" in text for text in texts)), texts)
+        finally:
+            node.terminate()
+            node.wait()
+            subscriber.unregister()
+            other.unregister()
 
     def test_both_detectors_run_side_by_side(self):
         scan = self.scan()

@@ -3,8 +3,6 @@
 
 #include <exception>
 
-#include <diagnostic_msgs/DiagnosticArray.h>
-
 #include "ram_slam/geometry/random.hpp"
 #include "ram_slam/ros/conversions.hpp"
 
@@ -29,8 +27,9 @@ bool answerOrFail(const char* service, const Answer& answer) {
     answer();
     return true;
   } catch (const ramscout_kinematics::OdometryUnavailable& error) {
-    // A client ahead of the odometry will ask again.
-    if (error.reason == ramscout_kinematics::Unavailable::kNotYetAvailable) {
+    // A client ahead of the odometry will ask again; that there is none is in the diagnostics.
+    if (error.reason == ramscout_kinematics::Unavailable::kNotYetAvailable ||
+        error.reason == ramscout_kinematics::Unavailable::kNoOdometry) {
       ROS_DEBUG_STREAM(service << " refused: " << error.what());
     } else {
       ROS_WARN_STREAM_THROTTLE(1.0, service << " refused: " << error.what());
@@ -42,25 +41,17 @@ bool answerOrFail(const char* service, const Answer& answer) {
   }
 }
 
-diagnostic_msgs::KeyValue keyValue(const std::string& key, const std::string& value) {
-  diagnostic_msgs::KeyValue entry;
-  entry.key = key;
-  entry.value = value;
-  return entry;
-}
-
 }  // namespace
 
 KinematicsNode::KinematicsNode(ram_parameters::ParameterReader& reader)
     : parameters_(ramscout_kinematics::readKinematicsParameters(reader)),
       kinematics_(parameters_),
+      odometry_(node_.subscribe(
+          "odom", 200, &KinematicsNode::onOdometry, this, ros::TransportHints().tcpNoDelay())),
+      diagnostics_(ram_slam::Link::kKinematics, "odometry", [this] { return report(); }),
+      odometry_input_(
+          diagnostics_.watch<nav_msgs::Odometry>(odometry_, ram_slam_ros::refinedOdometryInput())),
       service_spinner_(1, &service_queue_) {
-  diagnostics_ = node_.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
-  odometry_ = node_.subscribe("odom", 200, &KinematicsNode::onOdometry, this,
-                              ros::TransportHints().tcpNoDelay());
-  diagnostics_timer_ =
-      node_.createWallTimer(ros::WallDuration(parameters_.node.diagnostics_period_s),
-                            [this](const auto&) { publishDiagnostics(); });
   ros::NodeHandle private_node("~");
   private_node.setCallbackQueue(&service_queue_);
   services_ = {
@@ -72,41 +63,47 @@ KinematicsNode::KinematicsNode(ram_parameters::ParameterReader& reader)
   service_spinner_.start();
 }
 
-void KinematicsNode::onOdometry(const nav_msgs::Odometry& message) {
-  ++samples_received_;
+void KinematicsNode::onOdometry(const ros::MessageEvent<const nav_msgs::Odometry>& event) {
+  const nav_msgs::Odometry& message = *event.getMessage();
+  diagnostics_.arrived(odometry_input_, event);
+  messages_.add(event.getPublisherName(), message.header.seq);
+  const std::uint64_t drops_before = drops_.total();
   try {
-    const auto matches = [](const std::string& wanted, const std::string& got) {
-      return wanted.empty() || wanted == got;
-    };
-    if (!matches(parameters_.node.odom_frame, message.header.frame_id) ||
-        !matches(parameters_.node.base_frame, message.child_frame_id)) {
-      throw std::invalid_argument("it is of '" + message.child_frame_id + "' in '" +
-                                  message.header.frame_id + "', wanted '" +
-                                  parameters_.node.base_frame + "' in '" +
-                                  parameters_.node.odom_frame + "'");
-    }
+    const auto& frames = parameters_.node;
+    ram_slam_ros::requireFrames(
+        message, frames.odom_frame.empty() ? message.header.frame_id : frames.odom_frame,
+        frames.base_frame.empty() ? message.child_frame_id : frames.base_frame);
     const auto sample = toOdometrySample(message);
-    const std::uint64_t drops_before = drops_.total();
     for (const auto& passed : guard_.add(sample.stamp_ns, sample, drops_).messages) use(passed);
-    if (drops_.total() == drops_before) return;
-    samples_rejected_ += drops_.total() - drops_before;
-    ROS_WARN_STREAM_THROTTLE(
-        parameters_.node.log_period_s,
-        "Rejected odometry: " << toText(drops_.newest().reason) << ", " << drops_.newest().detail);
   } catch (const std::exception& error) {
-    ++samples_rejected_;
-    ROS_WARN_STREAM_THROTTLE(parameters_.node.log_period_s, "Rejected odometry: " << error.what());
+    drops_.add(ram_slam::DropReason::kInvalidOdometry, toNanoseconds(message.header.stamp),
+               error.what());
   }
+  diagnostics_.refusedIfDropped(odometry_input_, drops_, drops_before);
+  drop_log_.log(drops_, odometry_.getTopic());
 }
 
 void KinematicsNode::use(const ramscout_kinematics::OdometrySample& sample) {
   const Added outcome = kinematics_.add(sample);
+  const char* name = kOutcomeNames[static_cast<std::size_t>(outcome)];
   ++samples_by_outcome_[static_cast<std::size_t>(outcome)];
-  newest_arrival_ = ros::WallTime::now();
-  if (outcome == Added::kDiscontinuity || outcome == Added::kClockSetBack) {
-    ROS_WARN_STREAM("Odometry at " << ram_slam_ros::toTime(sample.stamp_ns) << ": "
-                                   << kOutcomeNames[static_cast<std::size_t>(outcome)]);
+  if (outcome == Added::kTooLate || outcome == Added::kJump) {
+    drops_.add(outcome == Added::kJump ? ram_slam::DropReason::kInvalidOdometry
+                                       : ram_slam::DropReason::kNotLater,
+               sample.stamp_ns, name);
+  } else if (outcome == Added::kDiscontinuity || outcome == Added::kClockSetBack) {
+    ROS_WARN_STREAM("Odometry at " << ram_slam_ros::toTime(sample.stamp_ns) << ": " << name);
   }
+}
+
+ram_slam_ros::NodeDiagnostics::Report KinematicsNode::report() const {
+  ram_slam_ros::NodeDiagnostics::Report report;
+  report.state = "odometry arrives";
+  report.drops = drops_;
+  report.messages = messages_;
+  for (std::size_t i = 0; i < samples_by_outcome_.size(); ++i)
+    report.values.emplace_back(kOutcomeNames[i], static_cast<double>(samples_by_outcome_[i]));
+  return report;
 }
 
 bool KinematicsNode::onPredict(ram_slam_msgs::PredictState::Request& request,
@@ -162,51 +159,6 @@ bool KinematicsNode::onSampleStates(ram_slam_msgs::SampleStates::Request& reques
     response.message = error.what();
   }
   return true;
-}
-
-diagnostic_msgs::DiagnosticStatus KinematicsNode::diagnose(std::uint64_t received,
-                                                           std::uint64_t unused) const {
-  const auto& limits = parameters_.node;
-  diagnostic_msgs::DiagnosticStatus status;
-  status.name = ros::this_node::getName() + ": odometry";
-  status.hardware_id = "none";
-  status.level = diagnostic_msgs::DiagnosticStatus::OK;
-  status.message = "odometry arrives";
-  const double silence_s = newest_arrival_.isZero()
-                               ? limits.silence_error_s + 1.0
-                               : (ros::WallTime::now() - newest_arrival_).toSec();
-  const auto warnOrError = [](bool is_error) {
-    return is_error ? diagnostic_msgs::DiagnosticStatus::ERROR
-                    : diagnostic_msgs::DiagnosticStatus::WARN;
-  };
-  if (unused > 0) {
-    status.level = warnOrError(2 * unused > received);
-    status.message = "odometry rejected";
-  } else if (silence_s > limits.silence_warning_s) {
-    status.level = warnOrError(silence_s > limits.silence_error_s);
-    status.message = newest_arrival_.isZero() ? "no odometry yet" : "no odometry for a while";
-  }
-  const double rate_hz = static_cast<double>(received) / limits.diagnostics_period_s;
-  status.values = {keyValue("rate [1/s]", std::to_string(rate_hz)),
-                   keyValue("seconds since the newest", std::to_string(silence_s)),
-                   keyValue("rejected", std::to_string(samples_rejected_))};
-  for (std::size_t i = 0; i < samples_by_outcome_.size(); ++i) {
-    status.values.push_back(keyValue(kOutcomeNames[i], std::to_string(samples_by_outcome_[i])));
-  }
-  return status;
-}
-
-void KinematicsNode::publishDiagnostics() {
-  const std::uint64_t unused = samples_rejected_ +
-                               samples_by_outcome_[static_cast<std::size_t>(Added::kTooLate)] +
-                               samples_by_outcome_[static_cast<std::size_t>(Added::kJump)];
-  diagnostic_msgs::DiagnosticArray message;
-  message.header.stamp = ros::Time::now();
-  message.status.push_back(
-      diagnose(samples_received_ - diagnosed_received_, unused - diagnosed_unused_));
-  diagnosed_received_ = samples_received_;
-  diagnosed_unused_ = unused;
-  diagnostics_.publish(message);
 }
 
 }  // namespace ramscout_kinematics_ros

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 
-#include <diagnostic_msgs/DiagnosticStatus.h>
 #include <nav_msgs/Odometry.h>
 #include <ram_slam_msgs/PredictState.h>
 #include <ram_slam_msgs/PredictStateWithCovariance.h>
@@ -14,6 +13,7 @@
 #include <ros/ros.h>
 
 #include "ram_parameters/parameter_reader.hpp"
+#include "ram_slam/ros/node_diagnostics.hpp"
 #include "ram_slam/stages/input_guard.hpp"
 #include "ramscout_kinematics/kinematics.hpp"
 
@@ -28,7 +28,7 @@ public:
   explicit KinematicsNode(ram_parameters::ParameterReader& reader);
 
 private:
-  void onOdometry(const nav_msgs::Odometry& message);
+  void onOdometry(const ros::MessageEvent<const nav_msgs::Odometry>& event);
   void use(const ramscout_kinematics::OdometrySample& sample);
   bool onPredict(ram_slam_msgs::PredictState::Request& request,
                  ram_slam_msgs::PredictState::Response& response);
@@ -38,9 +38,7 @@ private:
                 ram_slam_msgs::SampleState::Response& response);
   bool onSampleStates(ram_slam_msgs::SampleStates::Request& request,
                       ram_slam_msgs::SampleStates::Response& response);
-  void publishDiagnostics();
-  /// \param received, unused  samples since the last report
-  diagnostic_msgs::DiagnosticStatus diagnose(std::uint64_t received, std::uint64_t unused) const;
+  ram_slam_ros::NodeDiagnostics::Report report() const;
 
   ramscout_kinematics::KinematicsParameters parameters_;
   ramscout_kinematics::Kinematics kinematics_;
@@ -50,18 +48,15 @@ private:
   std::array<std::uint64_t, 7> samples_by_outcome_{};
   ram_slam::InputGuard<ramscout_kinematics::OdometrySample> guard_;
   ram_slam::DropCounter drops_;
-  std::uint64_t samples_rejected_ = 0;
-  std::uint64_t samples_received_ = 0;
-  std::uint64_t diagnosed_received_ = 0;
-  std::uint64_t diagnosed_unused_ = 0;
-  ros::WallTime newest_arrival_;
+  ram_slam_ros::DropLog drop_log_;
+  ram_slam::LossCounter messages_;
 
   ros::NodeHandle node_;
   ros::CallbackQueue service_queue_;
-  ros::Publisher diagnostics_;
   ros::Subscriber odometry_;
   std::array<ros::ServiceServer, 4> services_;
-  ros::WallTimer diagnostics_timer_;
+  ram_slam_ros::NodeDiagnostics diagnostics_;
+  ram_slam_ros::NodeDiagnostics::Input& odometry_input_;
   ros::AsyncSpinner service_spinner_;  // last: stops before what it serves is gone
 };
 

@@ -21,17 +21,7 @@ const ram_parameters::ParameterTable<KinematicsNodeParameters>& KinematicsNodePa
                "request.)")
           .expert("Node")
           .add("max_states", &P::max_states, "", atLeast(1),
-               "Most states in a request of `sample_states`.")
-          .add("log_period_s", &P::log_period_s, "s", positive(),
-               "The same warning is logged at most once in this time.")
-          .add("diagnostics_period_s", &P::diagnostics_period_s, "s", positive(),
-               "Time between two messages on /diagnostics.")
-          .add("silence_warning_s", &P::silence_warning_s, "s", atLeast(0.0),
-               "Without odometry for longer than this, diagnostics report WARN.")
-          .add("silence_error_s", &P::silence_error_s, "s", atLeast(0.0),
-               "Without odometry for longer than this, diagnostics report ERROR.")
-          .rule(&P::silence_error_s, ">= silence_warning_s",
-                [](const P& p) { return p.silence_error_s >= p.silence_warning_s; });
+               "Most states in a request of `sample_states`.");
   return table;
 }
 

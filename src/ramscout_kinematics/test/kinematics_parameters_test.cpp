@@ -62,7 +62,7 @@ TEST(ReadKinematicsParameters, RefusesWhatItDoesNotKnow) {
   for (const char* yaml :
        {"{model: tank}", "{modell: differential}", "{differential: {wheel_seperation_m: 0.4}}",
         "{differential: {wheel_separation_m: 0}}", "{buffer_duration_s: -1}", "{max_gap_s: 0.1}",
-        "{standing_sigma_m: -1}", "{max_states: 0}", "{silence_error_s: 0.1}"}) {
+        "{standing_sigma_m: -1}", "{max_states: 0}"}) {
     auto source = reader(yaml);
     EXPECT_THROW(readKinematicsParameters(source), std::invalid_argument) << yaml;
   }
@@ -71,7 +71,7 @@ TEST(ReadKinematicsParameters, RefusesWhatItDoesNotKnow) {
 TEST(ReadKinematicsParameters, ReadsEveryPart) {
   auto source = reader(
       "{standing_sigma_m: 0.5, gap_s: 0.75, odom_frame: wheels, base_frame: '', seed: 7, "
-      "standing_speed_mps: 0.25, jump_slack_m: 0.125, silence_error_s: 9, max_states: 3}");
+      "standing_speed_mps: 0.25, jump_slack_m: 0.125, max_states: 3}");
   const KinematicsParameters parameters = readKinematicsParameters(source);
   EXPECT_EQ(parameters.standing_sigma_m, 0.5);
   EXPECT_EQ(parameters.standing_speed_mps, 0.25);
@@ -80,7 +80,6 @@ TEST(ReadKinematicsParameters, ReadsEveryPart) {
   EXPECT_EQ(parameters.node.odom_frame, "wheels");
   EXPECT_EQ(parameters.node.base_frame, "");
   EXPECT_EQ(parameters.node.seed, 7);
-  EXPECT_EQ(parameters.node.silence_error_s, 9.0);
   EXPECT_EQ(parameters.node.max_states, 3);
 }
 

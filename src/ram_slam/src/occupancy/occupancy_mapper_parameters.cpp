@@ -75,9 +75,7 @@ void addNodeRows(ParameterTable<P>& table) {
            "Draw the map again along every `trajectory` of the estimator, not only corrected ones.")
       .expert("Node: details")
       .add("waiting_poll_s", &P::waiting_poll_s, "s", within(0.001, 10.0),
-           "How often is checked whether the pose of a waiting scan is known, wall time.")
-      .add("silence_report_s", &P::silence_report_s, "s", within(0.1, 3600.0),
-           "A warning is logged after so much wall time without a scan.");
+           "How often is checked whether the pose of a waiting scan is known, wall time.");
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/stages/drop_counter.hpp"
 
+#include <algorithm>
+
 namespace ram_slam {
 
 std::string toText(DropReason reason) {
@@ -48,6 +50,23 @@ void DropCounter::add(DropReason reason, std::int64_t stamp_ns, const std::strin
   ++drops.count;
   ++total_;
   newest_ = reason;
+}
+
+void DropCounter::add(const DropCounter& other) {
+  for (const auto& [reason, theirs] : other.drops_) {
+    Drops& drops = drops_[reason];
+    if (drops.count == 0) {
+      drops = theirs;
+      continue;
+    }
+    drops.count += theirs.count;
+    drops.first_ns = std::min(drops.first_ns, theirs.first_ns);
+    if (theirs.last_ns < drops.last_ns) continue;
+    drops.last_ns = theirs.last_ns;
+    drops.detail = theirs.detail;
+  }
+  if (other.total_ > 0) newest_ = other.newest_;
+  total_ += other.total_;
 }
 
 std::vector<Drops> DropCounter::all() const {

@@ -54,9 +54,7 @@ const ram_parameters::ParameterTable<WaitingParameters>& WaitingParameters::tabl
                "Pause before the motion is requested again; each pause is twice the one before ...")
           .add("longest_retry_s", &P::longest_retry_s, "s", within(0.0001, 10.0), "... up to this.")
           .add("service_s", &P::service_s, "s", within(0.0, 60.0),
-               "How long a service call or an initial pose waits for the estimator.")
-          .add("silence_s", &P::silence_s, "s", positive(),
-               "Time without features after which /diagnostics warns.");
+               "How long a service call or an initial pose waits for the estimator.");
   return table;
 }
 

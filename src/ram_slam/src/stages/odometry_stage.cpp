@@ -37,6 +37,7 @@ std::optional<OdometryStep> OdometryStage::next() {
       reset_count_ = scans_.resetCount();
       odometry_ = LaserOdometry(parameters_);
       stamp_offset_ = StampOffset(parameters_.max_stamp_offset_s, parameters_.stamp_offset);
+      mirror_check_ = {};
       scans_.setStampOffset(0);
       last_offset_ns_ = 0;
       last_ = {};
@@ -54,6 +55,7 @@ OdometryStep OdometryStage::refine(SynchronisedScan ready) {
   OdometryStep step;
   if (refines_) {
     followStampOffset();
+    if (ready.odom_from_base) mirror_check_.add(ready.scan, ready.odom_from_base->yaw_rad);
     step.estimate = odometry_.update(ready.scan, ready.base_from_laser, ready.odom_from_base);
     step.between = posesBetween(step.estimate, ready.odom_from_base);
   } else {

@@ -43,5 +43,19 @@ TEST(DropReason, EachHasATextOfItsOwnWithoutNumbers) {
   EXPECT_EQ(texts.size(), static_cast<std::size_t>(DropReason::kPaused) + 1);
 }
 
+TEST(DropCounter, AddsWhatAnotherOneHasCounted) {
+  DropCounter all;
+  all.add(DropReason::kPaused, 20, "mine");
+  DropCounter other;
+  other.add(DropReason::kPaused, 10, "theirs");
+  other.add(DropReason::kLost, 30);
+  all.add(other);
+  EXPECT_EQ(all.total(), 3U);
+  EXPECT_EQ(all.newest().reason, DropReason::kLost);
+  EXPECT_EQ(all.all().front().first_ns, 10);
+  EXPECT_EQ(all.all().front().last_ns, 20);
+  EXPECT_EQ(all.all().front().detail, "mine");
+}
+
 }  // namespace
 }  // namespace ram_slam

@@ -19,11 +19,6 @@ struct KinematicsNodeParameters {
   int seed = 1;
   /// Most states in a request of `sample_states`.
   int max_states = 100000;
-  double log_period_s = 5.0;
-  double diagnostics_period_s = 1.0;
-  /// Without odometry for longer than this, diagnostics report WARN and then ERROR.
-  double silence_warning_s = 0.5;
-  double silence_error_s = 5.0;
 
   static const ram_parameters::ParameterTable<KinematicsNodeParameters>& table();
 };

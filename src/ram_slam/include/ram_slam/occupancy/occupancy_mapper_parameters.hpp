@@ -44,7 +44,6 @@ struct OccupancyMapperParameters {
   double update_period_s = 0.5;      ///< between map updates
   double transform_timeout_s = 2.0;  ///< wall time that a scan waits for its pose
   double waiting_poll_s = 0.02;      ///< between checks whether the pose of a scan is known
-  double silence_report_s = 5.0;     ///< without scans before that is logged
   bool follow_trajectory =
       false;  ///< also re-render along every `trajectory`, not only corrected ones
 

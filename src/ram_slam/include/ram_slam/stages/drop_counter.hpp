@@ -44,6 +44,8 @@ struct Drops {
 class DropCounter {
 public:
   void add(DropReason reason, std::int64_t stamp_ns, const std::string& detail = "");
+  /// Adds what another one has counted.
+  void add(const DropCounter& other);
 
   /// In the order of DropReason; reasons that never occurred are left out.
   std::vector<Drops> all() const;

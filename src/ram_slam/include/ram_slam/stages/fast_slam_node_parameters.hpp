@@ -36,7 +36,6 @@ struct WaitingParameters {
   double first_retry_s = 0.002;  ///< between requests for the motion; each pause is twice as long
   double longest_retry_s = 0.1;  ///< up to this
   double service_s = 0.2;        ///< of a service call for the estimator
-  double silence_s = 2.0;        ///< without features before diagnostics warn
 
   static const ram_parameters::ParameterTable<WaitingParameters>& table();
 };

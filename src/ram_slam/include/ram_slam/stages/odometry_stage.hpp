@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "ram_slam/calibration/mirror_check.hpp"
 #include "ram_slam/calibration/stamp_offset.hpp"
 #include "ram_slam/geometry/trajectory.hpp"
 #include "ram_slam/scan_matching/laser_odometry.hpp"
@@ -45,6 +46,8 @@ public:
   std::size_t withoutWheelsCount() const { return scans_.withoutOdometryCount(); }
   /// Scans that contradicted the wheels.
   std::size_t slipCount() const { return slip_count_; }
+  /// Whether wheels and scans turn against each other.
+  bool isMirrored() const { return mirror_check_.isMirrored(); }
   /// How often the clock was set back and everything began again.
   int resetCount() const { return scans_.resetCount(); }
   const DropCounter& drops() const { return scans_.drops(); }
@@ -65,6 +68,7 @@ private:
   ScanSynchroniser scans_;
   LaserOdometry odometry_;
   StampOffset stamp_offset_;
+  MirrorCheck mirror_check_;
   StampedPose2 last_;                ///< estimate
   std::int64_t last_offset_ns_ = 0;  ///< by which the last scan's wheels were taken
   std::size_t slip_count_ = 0;
