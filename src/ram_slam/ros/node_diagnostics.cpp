@@ -149,9 +149,10 @@ void NodeDiagnostics::setOutput(const std::string& output, double patience_s) {
 
 void NodeDiagnostics::arrived(Input& input,
                               const std_msgs::Header& header,
-                              const std::string& publisher) {
+                              const std::string& publisher,
+                              const ros::Time& receipt) {
   const double now_s = wallNow_s();
-  const double stamp_age_s = (ros::Time::now() - header.stamp).toSec();
+  const double stamp_age_s = (receipt - header.stamp).toSec();
   const std::lock_guard<std::mutex> lock(mutex_);
   input.watch_.arrived(publisher, stamp_age_s, now_s);
   if (input.facts_.link == ram_slam::Link::kScan) newest_frame_ = header.frame_id;

@@ -165,8 +165,7 @@ std::string CauseFinder::textOfStamps(const NodeFacts& node, const InputFacts& i
                           input.newest_publisher + " are " + duration(std::abs(input.stamp_age_s)) +
                           (input.stamp_age_s > 0.0 ? " older" : " newer") + " than the clock: ";
   if (std::abs(input.stamp_age_s) <= kOtherClock_s) {
-    return who + "set the clocks of both computers (chrony), or correct the offset in the driver" +
-           (input.stamp_age_s > 0.0 ? "; or this computer is too slow" : "");
+    return who + "set the clocks of both computers (chrony), or correct the offset in the driver";
   }
   if (node.is_simulated_time) {
     return who +

@@ -81,7 +81,8 @@ public:
 
   template <typename Message>
   void arrived(Input& input, const ros::MessageEvent<const Message>& event) {
-    arrived(input, event.getMessage()->header, event.getPublisherName());
+    // The receipt is that of the transport: a node that is busy sees its messages later.
+    arrived(input, event.getMessage()->header, event.getPublisherName(), event.getReceiptTime());
   }
   void refused(Input& input, const std::string& reason);
   /// The message that has just arrived was refused if something was dropped since then.
@@ -99,7 +100,10 @@ private:
     double missing_since_s = 0.0;  ///< 0: it is there
   };
   Input& watchTopic(const ros::Subscriber& subscriber, ram_slam::InputFacts facts);
-  void arrived(Input& input, const std_msgs::Header& header, const std::string& publisher);
+  void arrived(Input& input,
+               const std_msgs::Header& header,
+               const std::string& publisher,
+               const ros::Time& receipt);
   void update();
   /// Adds what the master knows, if an input is silent.
   void askMaster(double now_s, std::vector<ram_slam::InputFacts>& inputs);
