@@ -157,6 +157,7 @@ class KilledNodes(unittest.TestCase):
         self.assertTrue(wait_until(lambda: self.map_count > 1 and len(self.poses) > count + 50))
         error_m, error_rad = self.error()
         rospy.loginfo("error after all others were killed %.3f m, %.4f rad", error_m, error_rad)
+        self.assertLess(error_m, BRIDGED_M)
 
     def test_4_one_leap_of_the_clock(self):
         clock = rospy.Publisher("/clock", Clock, queue_size=1)

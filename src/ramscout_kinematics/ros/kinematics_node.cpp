@@ -73,7 +73,8 @@ void KinematicsNode::onOdometry(const ros::MessageEvent<const nav_msgs::Odometry
     ram_slam_ros::requireFrames(
         message, frames.odom_frame.empty() ? message.header.frame_id : frames.odom_frame,
         frames.base_frame.empty() ? message.child_frame_id : frames.base_frame);
-    const auto sample = toOdometrySample(message);
+    auto sample = toOdometrySample(message);
+    sample.is_restart = isRestart(event.getPublisherName(), message.header.seq);
     for (const auto& passed : guard_.add(sample.stamp_ns, sample, drops_).messages) use(passed);
   } catch (const std::exception& error) {
     drops_.add(ram_slam::DropReason::kInvalidOdometry, toNanoseconds(message.header.stamp),
@@ -81,6 +82,17 @@ void KinematicsNode::onOdometry(const ros::MessageEvent<const nav_msgs::Odometry
   }
   diagnostics_.refusedIfDropped(odometry_input_, drops_, drops_before);
   drop_log_.log(drops_, odometry_.getTopic());
+}
+
+bool KinematicsNode::isRestart(const std::string& publisher, std::uint32_t number) {
+  const auto [last, is_first] = newest_numbers_.emplace(publisher, number);
+  const bool is_restart = !is_first && number < last->second;
+  last->second = number;
+  if (is_restart) {
+    ROS_WARN_STREAM(publisher << " was started again: what the robot drove in between is taken "
+                                 "from tf by the estimator");
+  }
+  return is_restart;
 }
 
 void KinematicsNode::use(const ramscout_kinematics::OdometrySample& sample) {

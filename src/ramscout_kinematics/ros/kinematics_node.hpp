@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
+#include <string>
 
 #include <nav_msgs/Odometry.h>
 #include <ram_slam_msgs/PredictState.h>
@@ -29,6 +31,8 @@ public:
 
 private:
   void onOdometry(const ros::MessageEvent<const nav_msgs::Odometry>& event);
+  /// Whether a publisher counts its messages from the beginning again: it was started again.
+  bool isRestart(const std::string& publisher, std::uint32_t number);
   void use(const ramscout_kinematics::OdometrySample& sample);
   bool onPredict(ram_slam_msgs::PredictState::Request& request,
                  ram_slam_msgs::PredictState::Response& response);
@@ -50,6 +54,7 @@ private:
   ram_slam::DropCounter drops_;
   ram_slam_ros::DropLog drop_log_;
   ram_slam::LossCounter messages_;
+  std::map<std::string, std::uint32_t> newest_numbers_;  ///< by publisher
 
   ros::NodeHandle node_;
   ros::CallbackQueue service_queue_;

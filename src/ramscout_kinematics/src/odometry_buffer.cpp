@@ -121,6 +121,10 @@ bool OdometryBuffer::judgeFrom(std::size_t first) {
   for (std::size_t i = first < 2 ? 0 : first - 2; i < entries_.size(); ++i) {
     std::size_t before = i;
     while (before > 0 && entries_[before - 1].standing == Standing::kHeldBack) --before;
+    if (before > 0 && entries_[i].sample.is_restart) {
+      entries_[i].standing = Standing::kOriginMoved;
+      continue;
+    }
     if (before == 0 || isPlausible(entries_[before - 1].sample, entries_[i].sample)) {
       entries_[i].standing = Standing::kAccepted;
       continue;
@@ -212,7 +216,8 @@ MotionSegment OdometryBuffer::between(const Entry& before,
   const bool stood_still = after.standing == Standing::kAccepted &&
                            moved.translation().norm() <= parameters_.still_gap_m &&
                            std::abs(moved.yaw_rad) <= parameters_.still_gap_rad;
-  if (interval_s > parameters_.max_gap_s && !stood_still) {
+  const double longest_s = after.sample.is_restart ? parameters_.gap_s : parameters_.max_gap_s;
+  if (interval_s > longest_s && !stood_still) {
     refuse(Unavailable::kGap,
            "no odometry between " + toText(start_ns) + " and " + toText(after.sample.stamp_ns));
   }

@@ -288,6 +288,27 @@ TEST(OdometryBuffer, MotionGoesOnFromAnOriginThatMoved) {
   }
 }
 
+TEST(OdometryBuffer, WhatWasDrivenBeforeASourceStartedAgainIsUnknownHoweverPlausibleItLooks) {
+  std::vector<OdometrySample> samples = drive({1.0, 0.0, 0.0}, 5.0, 0.1);
+  samples.erase(samples.begin() + 11, samples.begin() + 20);  // 1 s without
+  samples[11].is_restart = true;
+  for (std::size_t i = 11; i < samples.size(); ++i) samples[i].odom_from_base.y_m += 0.4;
+  const OdometryBuffer buffer = bufferOf(samples);
+  EXPECT_EQ(reasonFor(buffer, 0.5, 3.0), Unavailable::kGap);
+  EXPECT_NEAR(motion(buffer, 0.5, 1.0).x_m, 0.5, 1e-9);
+  EXPECT_NEAR(motion(buffer, 2.0, 3.0).x_m, 1.0, 1e-9);
+}
+
+TEST(OdometryBuffer, ASourceThatStartsAgainAtOnceCostsOneInterval) {
+  std::vector<OdometrySample> samples = drive({1.0, 0.0, 0.0}, 2.0, 0.1);
+  samples[11].is_restart = true;
+  for (std::size_t i = 11; i < samples.size(); ++i) samples[i].odom_from_base.y_m += 0.05;
+  const OdometryBuffer buffer = bufferOf(samples);
+  EXPECT_NEAR(motion(buffer, 0.5, 2.0).x_m, 1.4, 1e-9);
+  EXPECT_NEAR(motion(buffer, 0.5, 2.0).y_m, 0.0, 1e-9);
+  EXPECT_GT(buffer.segments(after(1.0), after(1.1))[0].added_variance.x(), 0.01);
+}
+
 TEST(OdometryBuffer, RefusedSampleChangesNothing) {
   OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.0}, 1.0, 0.01));
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -21,6 +21,8 @@ struct OdometrySample {
   /// Forward, left [m/s], turning [rad/s], in the base frame, as reported. Used only right after
   /// the first sample, when there are no two poses yet that give a velocity.
   Eigen::Vector3d twist = Eigen::Vector3d::Zero();
+  /// The first one of a source that was started again: its origin is not that of those before.
+  bool is_restart = false;
 };
 
 struct OdometryBufferParameters {
@@ -94,7 +96,8 @@ public:
 /// What it answers depends on the samples, not on the order in which they arrived (within the
 /// reorder window): which samples are jumps is worked out along the stamps, again from a sample
 /// that comes late. Only the differences between neighbouring poses count, so a reset of the
-/// odometry's origin costs no more than one interval.
+/// odometry's origin costs no more than one interval. Requests that touch the interval before a
+/// source that was started again are refused as a gap, unless it is a short one.
 class OdometryBuffer {
 public:
   /// \throws as OdometryBufferParameters::validate()
