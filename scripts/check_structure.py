@@ -21,7 +21,7 @@ ROS = re.compile(r'#include [<"](ros/|rosbag/|tf2|pluginlib/|\w+_msgs/|std_srvs/
 SLAM = re.compile(r"\b(ram_slam|ramscout_kinematics|ramscout_feature_detector)(/|::|</)")
 # Floors of ram_slam, lowest first: a folder may include its own and lower floors.
 FLOORS = [["geometry"], ["landmarks", "sensing", "motion", "io"], ["scan_matching", "calibration", "pose_graph", "occupancy"],
-          ["smoothing", "fast_slam", "world_map"], ["ekf_slam"], ["tracking"], ["estimation"], ["stages"]]
+          ["smoothing", "fast_slam", "world_map"], ["ekf_slam", "ukf_localiser"], ["tracking"], ["estimation"], ["stages"]]
 FLOOR_OF = {folder: floor for floor, folders in enumerate(FLOORS) for folder in folders}
 
 

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include <ram_slam_msgs/PredictState.h>
 #include <ram_slam_msgs/PredictStateWithCovariance.h>
 #include <ram_slam_msgs/SampleStates.h>
 
@@ -89,6 +90,30 @@ PoseWithCovariance2 KinematicsClient::motion(std::int64_t from_ns, std::int64_t 
         covariance[i];
   }
   return motion;
+}
+
+std::vector<Pose2> KinematicsClient::predictEach(const std::vector<Pose2>& map_from_base,
+                                                 std::int64_t from_ns,
+                                                 std::int64_t to_ns) const {
+  std::vector<Pose2> predicted;
+  for (const Pose2& pose : map_from_base) {
+    // A float has 24 bits: about the first pose, which any world frame may be, they are enough.
+    const Pose2 about_first = map_from_base.front().inverse() * pose;
+    ram_slam_msgs::PredictState service;
+    service.request.state = {static_cast<float>(about_first.x_m),
+                             static_cast<float>(about_first.y_m),
+                             static_cast<float>(about_first.yaw_rad)};
+    service.request.from = toTime(from_ns);
+    service.request.to = toTime(to_ns);
+    call(predict_state_, "kinematics/predict", service);
+    const auto& state = service.response.state;
+    if (state.size() != kStateSize) {
+      throw std::out_of_range("kinematics answered with a state of " +
+                              std::to_string(state.size()) + " values");
+    }
+    predicted.push_back(map_from_base.front() * Pose2{state[0], state[1], state[2]});
+  }
+  return predicted;
 }
 
 std::vector<Pose2> KinematicsClient::sample(const std::vector<Pose2>& map_from_base,

@@ -10,8 +10,8 @@
 
 namespace ram_slam_ros {
 
-/// The motion model behind the services `kinematics/predict_with_covariance` and
-/// `kinematics/sample_states`, over connections that persist and are renewed after a failure.
+/// The motion model behind the services `kinematics/predict`, `kinematics/predict_with_covariance`
+/// and `kinematics/sample_states`, over connections that persist and are renewed after a failure.
 class KinematicsClient : public ram_slam::MotionModel {
 public:
   explicit KinematicsClient(const ros::NodeHandle& node) : node_(node) {}
@@ -19,6 +19,10 @@ public:
   /// \throws std::out_of_range if the service is not there or refuses, which it does without a
   /// reason
   ram_slam::PoseWithCovariance2 motion(std::int64_t from_ns, std::int64_t to_ns) const override;
+  /// One call for each pose. \throws as motion()
+  std::vector<ram_slam::Pose2> predictEach(const std::vector<ram_slam::Pose2>& map_from_base,
+                                           std::int64_t from_ns,
+                                           std::int64_t to_ns) const override;
   /// \throws as motion(), with the service's reason
   std::vector<ram_slam::Pose2> sample(const std::vector<ram_slam::Pose2>& map_from_base,
                                       std::int64_t from_ns,
@@ -48,6 +52,7 @@ private:
   mutable Calls calls_;
   mutable ros::NodeHandle node_;
   mutable ros::ServiceClient predict_;
+  mutable ros::ServiceClient predict_state_;
   mutable ros::ServiceClient sample_;
 };
 

@@ -7,6 +7,7 @@
 #include "ram_slam/ekf_slam/ekf_slam.hpp"
 #include "ram_slam/estimation/tracked_estimator.hpp"
 #include "ram_slam/fast_slam/fast_slam.hpp"
+#include "ram_slam/ukf_localiser/ukf_localiser.hpp"
 
 namespace ram_slam {
 namespace {
@@ -39,6 +40,7 @@ const std::map<std::string, FilterEntry>& filters() {
   static const std::map<std::string, FilterEntry> all{
       {"ekf_slam", ekfSlamEntry()},
       {"fast_slam", fastSlamEntry()},
+      {"ukf_localiser", ukfLocaliserEntry()},
   };
   return all;
 }

@@ -79,6 +79,16 @@ PoseWithCovariance2 GapBridge::motion(std::int64_t from_ns, std::int64_t to_ns) 
   }
 }
 
+std::vector<Pose2> GapBridge::predictEach(const std::vector<Pose2>& map_from_base,
+                                          std::int64_t from_ns,
+                                          std::int64_t to_ns) const {
+  try {
+    return model_.predictEach(map_from_base, from_ns, to_ns);
+  } catch (const std::out_of_range&) {
+    return MotionModel::predictEach(map_from_base, from_ns, to_ns);
+  }
+}
+
 std::vector<Pose2> GapBridge::sample(const std::vector<Pose2>& map_from_base,
                                      std::int64_t from_ns,
                                      std::int64_t to_ns,

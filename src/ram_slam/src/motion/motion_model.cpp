@@ -5,6 +5,16 @@
 
 namespace ram_slam {
 
+std::vector<Pose2> MotionModel::predictEach(const std::vector<Pose2>& map_from_base,
+                                            std::int64_t from_ns,
+                                            std::int64_t to_ns) const {
+  const Pose2 moved = motion(from_ns, to_ns).pose;
+  std::vector<Pose2> poses;
+  poses.reserve(map_from_base.size());
+  for (const Pose2& pose : map_from_base) poses.push_back(pose * moved);
+  return poses;
+}
+
 std::vector<Pose2> MotionModel::sample(const std::vector<Pose2>& map_from_base,
                                        std::int64_t from_ns,
                                        std::int64_t to_ns,

@@ -5,27 +5,10 @@
 
 #include <Eigen/LU>
 
-#include "../fast_slam/fast_slam_fixtures.hpp"
+#include "ekf_slam_fixtures.hpp"
 
 namespace ram_slam {
 namespace {
-
-/// As plain() of the particle filter.
-EkfSlamParameters plainEkf() {
-  EkfSlamParameters parameters;
-  parameters.common = plain();
-  return parameters;
-}
-
-void feed(EkfSlam& filter, const FeatureList& list, const MotionModel& model) {
-  filter.update(list, motionStep(model, filter.stamp_ns(), list.stamp_ns));
-}
-
-EkfSlam runEkf(const SyntheticDrive& drive, const EkfSlamParameters& parameters) {
-  EkfSlam filter(parameters);
-  for (const FeatureList& list : drive.lists) feed(filter, list, drive.odometry);
-  return filter;
-}
 
 double nees(const PoseWithCovariance2& estimate, const Pose2& truth) {
   const Eigen::Vector3d error = componentDifference(estimate.pose, truth);
@@ -76,6 +59,20 @@ TEST(EkfSlam, GivesTheSameBytesForTheSameInput) {
   const EkfSlam second = runEkf(drive, {});
   EXPECT_EQ(first.estimate().pose.x_m, second.estimate().pose.x_m);
   EXPECT_EQ((first.estimate().covariance - second.estimate().covariance).norm(), 0.0);
+}
+
+TEST(EkfSlam, GoesOnAsACopyOfItself) {
+  const SyntheticDrive drive = office(2);
+  EkfSlam filter{EkfSlamParameters{}};
+  for (std::size_t i = 0; i < 50; ++i) feed(filter, drive.lists[i], drive.odometry);
+  const std::unique_ptr<LandmarkFilter> copy = filter.clone();
+  for (std::size_t i = 50; i < 100; ++i) {
+    feed(filter, drive.lists[i], drive.odometry);
+    copy->update(drive.lists[i],
+                 motionStep(drive.odometry, copy->stamp_ns(), drive.lists[i].stamp_ns), nullptr);
+  }
+  EXPECT_EQ(copy->estimate().pose.x_m, filter.estimate().pose.x_m);
+  EXPECT_EQ((copy->estimate().covariance - filter.estimate().covariance).norm(), 0.0);
 }
 
 TEST(EkfSlam, StandingStillChangesNothing) {
@@ -135,89 +132,6 @@ TEST(EkfSlam, CreatesNoMoreLandmarksThanItMay) {
   const EkfSlam filter = runEkf(office(5), parameters);
   EXPECT_EQ(filter.belief().size(), 10u);
   EXPECT_GT(filter.health().back().second, 0.0) << "it is reported";
-}
-
-TEST(EkfSlam, StatesPositiveSemiDefiniteCovariancesBetweenLandmarks) {
-  const LandmarkMap map = runEkf(office(6), {}).landmarks();
-  const auto size = 2 * static_cast<Eigen::Index>(map.landmarks.size());
-  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(size, size);
-  std::map<LandmarkId, Eigen::Index> rows;
-  for (const LandmarkEstimate& landmark : map.landmarks) {
-    const auto row = 2 * static_cast<Eigen::Index>(rows.size());
-    rows[landmark.id] = row;
-    joint.block<2, 2>(row, row) = landmark.covariance_m2;
-  }
-  ASSERT_FALSE(map.covariances.empty());
-  for (const LandmarkCovariance& between : map.covariances) {
-    joint.block<2, 2>(rows[between.first_id], rows[between.second_id]) = between.covariance_m2;
-    joint.block<2, 2>(rows[between.second_id], rows[between.first_id]) =
-        between.covariance_m2.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(joint, Eigen::EigenvaluesOnly);
-  EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0);
-}
-
-TEST(EkfSlam, LocalisesInAMapThatStaysAsItIs) {
-  const SyntheticDrive drive = office(7);
-  const LandmarkMap map = runEkf(drive, {}).landmarks();
-  EkfSlam filter{EkfSlamParameters{}};
-  filter.setMap(map, {});
-  filter.fixMap();
-  filter.setPose({{}, Eigen::Vector3d(0.04, 0.04, 0.01).asDiagonal()});
-  for (const FeatureList& list : drive.lists) feed(filter, list, drive.odometry);
-  EXPECT_LT(errorsOf(filter.trajectory(), drive.truth).position_m, 0.1);
-  const LandmarkMap after = filter.landmarks();
-  ASSERT_EQ(after.landmarks.size(), map.landmarks.size());
-  for (std::size_t i = 0; i < map.landmarks.size(); ++i)
-    EXPECT_EQ(after.landmarks[i].mean_m, map.landmarks[i].mean_m);
-}
-
-TEST(EkfSlam, ContinuesAMap) {
-  const SyntheticDrive drive = office(8);
-  const EkfSlam first = runEkf(drive, {});
-  EkfSlam filter{EkfSlamParameters{}};
-  filter.setMap(first.landmarks(), first.trajectory());
-  filter.setPose({{}, Eigen::Vector3d(1e-4, 1e-4, 1e-6).asDiagonal()});
-  for (const FeatureList& list : drive.lists) feed(filter, list, drive.odometry);
-  EXPECT_LE(filter.landmarks().landmarks.size(), first.landmarks().landmarks.size() + 3)
-      << "what is known is found, not created again";
-}
-
-TEST(EkfSlam, FollowsACorrectedTrajectoryWithItsMap) {
-  const SyntheticDrive drive = office(9);
-  EkfSlam filter = runEkf(drive, {});
-  const LandmarkMap before = filter.landmarks();
-  // The whole trajectory turned about its start: so is the map.
-  Trajectory turned = filter.trajectory();
-  const Pose2 turn{0.0, 0.0, 0.1};
-  const Pose2 start = turned.front().pose;
-  for (StampedPose2& stamped : turned) stamped.pose = start * turn * start.inverse() * stamped.pose;
-  const Pose2 map_from_turned = filter.followTrajectory(turned);
-  // The first pose stays, so that nothing has moved but the frame of the corrected trajectory.
-  EXPECT_NEAR(map_from_turned.yaw_rad, -0.1, 1e-9);
-  const LandmarkMap same = filter.landmarks();
-  EXPECT_NEAR((same.landmarks[5].mean_m - before.landmarks[5].mean_m).norm(), 0.0, 1e-9);
-  // The second half moved: landmarks placed then move along, the others stay.
-  Trajectory bent = filter.trajectory();
-  const Pose2 shift{0.5, 0.0, 0.0};
-  for (std::size_t i = bent.size() / 2; i < bent.size(); ++i) bent[i].pose = shift * bent[i].pose;
-  const Pose2 old = filter.estimate().pose;
-  filter.followTrajectory(bent);
-  EXPECT_NEAR(filter.estimate().pose.x_m, old.x_m + 0.5, 1e-9);
-  EXPECT_NEAR((filter.landmarks().landmarks[0].mean_m - before.landmarks[0].mean_m).norm(), 0.0,
-              1e-9);
-  EXPECT_THROW(filter.followTrajectory({}), std::invalid_argument);
-}
-
-TEST(EkfSlam, GoesOnFromAPoseThatItIsGiven) {
-  const SyntheticDrive drive = office(10);
-  EkfSlam filter{EkfSlamParameters{}};
-  for (std::size_t i = 0; i < 100; ++i) feed(filter, drive.lists[i], drive.odometry);
-  const Pose2 wrong = drive.truth[99] * Pose2{0.3, 0.2, 0.1};
-  filter.setPose({wrong, Eigen::Vector3d(0.1, 0.1, 0.03).asDiagonal()});
-  EXPECT_EQ(filter.estimate().pose.x_m, wrong.x_m);
-  for (std::size_t i = 100; i < 200; ++i) feed(filter, drive.lists[i], drive.odometry);
-  EXPECT_LT((filter.estimate().pose.translation() - drive.truth[199].translation()).norm(), 0.15);
 }
 
 }  // namespace

@@ -130,5 +130,33 @@ TEST(AssociateByDistance, BetweenTheTwoDistancesAFeatureIsNeitherMatchedNorNew) 
   EXPECT_EQ(outcomeAt(1.01 * parameters.minimum_feature_separation), AssociationOutcome::kNew);
 }
 
+TEST(AssociateCertain, TakesWhatIsCertainAndIgnoresTheRest) {
+  // One feature on a landmark that stands alone, one in the middle between two others.
+  const std::vector<Eigen::Vector2d> landmarks_m = {{2.0, 0.02}, {2.0, -0.02}, {3.0, 1.0}};
+  const Evidence evidence = associateCertain(observationsOf({{2.0, 0.0}, {3.0, 1.005}}, 3),
+                                             treeOf(landmarks_m), {}, FastSlamParameters{});
+  EXPECT_EQ(evidence.associations[0].outcome, AssociationOutcome::kIgnored);
+  EXPECT_EQ(evidence.associations[1].outcome, AssociationOutcome::kMatched);
+  EXPECT_TRUE(evidence.hasMatched(2));
+  EXPECT_FALSE(evidence.hasMatched(0));
+  EXPECT_EQ(evidence.correction_count, 1);
+}
+
+TEST(MatchQuality, IsARunningMeanOfSharesAndInnovations) {
+  Evidence evidence;
+  evidence.associations = {{AssociationOutcome::kMatched, 1}, {AssociationOutcome::kNew, 0}};
+  evidence.correction_count = 1;
+  evidence.squared_mahalanobis = 6.0;
+  MatchQuality quality;
+  quality.add(evidence, 0.5);
+  EXPECT_EQ(quality.matched_count, 1);
+  EXPECT_EQ(quality.new_count, 1);
+  EXPECT_DOUBLE_EQ(quality.matched_fraction, 0.75);
+  EXPECT_DOUBLE_EQ(quality.normalised_innovation, 2.0) << "half of 1 and half of 6 / 2";
+  quality.add({}, 0.5);
+  EXPECT_EQ(quality.matched_count, 0);
+  EXPECT_DOUBLE_EQ(quality.matched_fraction, 0.75) << "an empty list is no evidence";
+}
+
 }  // namespace
 }  // namespace ram_slam

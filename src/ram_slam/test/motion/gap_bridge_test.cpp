@@ -60,6 +60,15 @@ TEST(GapBridge, StandsStillDuringTheGapAndIsTheLessCertainTheLongerItWas) {
   EXPECT_GT(longer.covariance(2, 2), shorter.covariance(2, 2));
 }
 
+TEST(GapBridge, PredictsAcrossTheGap) {
+  const KnownFrom model(5 * kSecond);
+  GapBridge bridge(model);
+  EXPECT_THROW(bridge.predictEach({{}}, kSecond, 6 * kSecond), std::out_of_range);
+  bridge.interruptedUntil(5 * kSecond);
+  EXPECT_EQ(bridge.predictEach({{}}, kSecond, 6 * kSecond)[0].x_m, 1.0);
+  EXPECT_EQ(bridge.predictEach({{}}, 5 * kSecond, 7 * kSecond)[0].x_m, 2.0);
+}
+
 TEST(GapBridge, DrawsSamplesApartAcrossTheGap) {
   const KnownFrom model(5 * kSecond);
   GapBridge bridge(model);

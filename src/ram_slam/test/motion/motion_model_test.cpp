@@ -31,6 +31,14 @@ TEST(MotionModel, MovesEachPoseInItsOwnFrame) {
   EXPECT_NEAR(std::abs(poses[1].yaw_rad), M_PI, 1e-12);
 }
 
+TEST(MotionModel, PredictsWithoutNoise) {
+  const QuarterTurn noisy(Eigen::Matrix3d::Identity());
+  const auto poses = noisy.predictEach({{1.0, 1.0, M_PI_2}}, 1, 2);
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_NEAR(poses[0].x_m, 1.0, 1e-12);
+  EXPECT_NEAR(poses[0].y_m, 3.0, 1e-12);
+}
+
 TEST(MotionModel, SamplesHaveTheMeanAndTheCovarianceOfTheMotion) {
   Eigen::Matrix3d covariance;
   covariance << 0.04, 0.01, 0.002, 0.01, 0.01, 0.001, 0.002, 0.001, 0.0025;

@@ -39,6 +39,9 @@ public:
   void forget();
 
   PoseWithCovariance2 motion(std::int64_t from_ns, std::int64_t to_ns) const override;
+  std::vector<Pose2> predictEach(const std::vector<Pose2>& map_from_base,
+                                 std::int64_t from_ns,
+                                 std::int64_t to_ns) const override;
   std::vector<Pose2> sample(const std::vector<Pose2>& map_from_base,
                             std::int64_t from_ns,
                             std::int64_t to_ns,

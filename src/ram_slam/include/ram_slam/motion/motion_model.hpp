@@ -22,6 +22,12 @@ public:
   /// is buffered
   virtual PoseWithCovariance2 motion(std::int64_t from_ns, std::int64_t to_ns) const = 0;
 
+  /// Each pose moved by the odometry without noise: the answers of PredictState. \throws as
+  /// motion()
+  virtual std::vector<Pose2> predictEach(const std::vector<Pose2>& map_from_base,
+                                         std::int64_t from_ns,
+                                         std::int64_t to_ns) const;
+
   /// Each pose moved by a motion of its own, sampled from the model: here from the normal
   /// distribution that motion() returns. The same seed gives the same poses. \throws as motion()
   virtual std::vector<Pose2> sample(const std::vector<Pose2>& map_from_base,
