@@ -9,11 +9,9 @@
 namespace ram_slam {
 namespace {
 
-constexpr Eigen::Index kPoseSize = 3;
-
 /// x, y and yaw of each pose less those of another, one per column.
 Eigen::Matrix3Xd deviations(const std::vector<Pose2>& poses, const Pose2& from) {
-  Eigen::Matrix3Xd columns(kPoseSize, static_cast<Eigen::Index>(poses.size()));
+  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(poses.size()));
   for (std::size_t i = 0; i < poses.size(); ++i)
     columns.col(static_cast<Eigen::Index>(i)) = componentDifference(poses[i], from);
   return columns;
@@ -42,8 +40,8 @@ std::vector<Pose2> sigmaPoints(const PoseWithCovariance2& pose) {
       solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   std::vector<Pose2> points;
   for (const double side : {1.0, -1.0}) {
-    for (Eigen::Index i = 0; i < kPoseSize; ++i) {
-      const Eigen::Vector3d off = side * std::sqrt(static_cast<double>(kPoseSize)) * root.col(i);
+    for (Eigen::Index i = 0; i < root.cols(); ++i) {
+      const Eigen::Vector3d off = side * std::sqrt(3.0) * root.col(i);
       points.push_back({pose.pose.x_m + off.x(), pose.pose.y_m + off.y(),
                         wrapAngle(pose.pose.yaw_rad + off.z())});
     }
