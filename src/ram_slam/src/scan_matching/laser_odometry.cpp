@@ -32,15 +32,12 @@ Eigen::Matrix3d shiftCovariance(const Eigen::Matrix3d& covariance, const Eigen::
 
 LaserOdometry::LaserOdometry(const LaserOdometryParameters& parameters)
     : parameters_(parameters),
-      hypotheses_{parameters.matcher,
-                  parameters.pose_likelihood,
-                  parameters.pose_search,
-                  parameters.slip.probability,
-                  parameters.slip.probability,
-                  parameters.slip.prior_variance_factor,
-                  parameters.slip.contradiction,
+      hypotheses_{parameters.matcher,          parameters.pose_likelihood,
+                  parameters.pose_search,      parameters.slip.probability,
+                  parameters.slip.probability, parameters.slip.contradiction,
                   parameters.search_distance_m},
-      wheel_bias_(parameters.wheel_bias) {
+      wheel_bias_(parameters.wheel_bias),
+      wheel_scatter_(parameters.wheel_scatter) {
   parameters_.validate();
 }
 
@@ -57,7 +54,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
                                 std::to_string(last_.stamp_ns) + " ns");
   }
 
-  const Prediction prediction = predict(scan.stamp_ns, odom_from_base);
+  Prediction prediction = predict(scan.stamp_ns, odom_from_base);
   const Pose2 laser_motion = base_from_laser.inverse() * prediction.motion * base_from_laser;
   SurfaceScan surfaces =
       extractSurfaces(scan, parameters_.surfaces,
@@ -85,7 +82,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
     placed_ns_ = scan.stamp_ns;
     keepIfKeyScan(std::move(surfaces), found);
   }
-  learnBias(estimate, odom_from_base);
+  learnWheels(estimate, odom_from_base);
   estimate.wheels_stuck = areStuck(odom_from_base, estimate.odom_from_base.pose);
   last_interval_s_ = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
   last_wheels_ = odom_from_base;
@@ -118,6 +115,7 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
   const double interval_s = 1e-9 * static_cast<double>(stamp_ns - last_.stamp_ns);
   double deviation_m = 0.0;
   double deviation_rad = 0.0;
+  std::optional<double> believed_rad;
   // Of wheels that were stuck the next motion may be that of all the time: constant speed is the
   // better guess, but not over a gap.
   const double longest_s = parameters_.constant_speed.max_interval_ratio * last_interval_s_;
@@ -127,6 +125,7 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
     const Eigen::Vector3d deviations = wheelNoise().deviations(prediction.motion);
     deviation_m = deviations.x();
     deviation_rad = deviations.z();
+    believed_rad = wheel_scatter_.of(wheelNoise()).deviations(prediction.motion).z();
   } else {
     const ConstantSpeedParameters& constant = parameters_.constant_speed;
     const double ratio = last_interval_s_ > 0.0
@@ -140,6 +139,8 @@ LaserOdometry::Prediction LaserOdometry::predict(std::int64_t stamp_ns,
   }
   prediction.covariance.diagonal() << deviation_m * deviation_m, deviation_m * deviation_m,
       deviation_rad * deviation_rad;
+  prediction.believed = prediction.covariance;
+  if (believed_rad) prediction.believed(2, 2) = *believed_rad * *believed_rad;
   return prediction;
 }
 
@@ -151,24 +152,29 @@ MotionNoise LaserOdometry::wheelNoise() const {
 
 ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
                                const Pose2& base_from_laser,
-                               const Prediction& prediction,
+                               Prediction& prediction,
                                LaserOdometryEstimate& estimate) const {
   const std::vector<ReferenceScan> reference_scans = references();
   const Pose2& before = last_.odom_from_base.pose;
   const Pose2 predicted = before * prediction.motion * base_from_laser;
   const Eigen::Vector2d lever =
       (before * prediction.motion).translation() - predicted.translation();
-  const Eigen::Matrix3d covariance =
-      shiftCovariance(rotate(prediction.covariance, before.yaw_rad), -lever);
-  const PosePrior prior{predicted, covariance.inverse()};
-  const auto contradictsWheels = [&](const Pose2& pose) {
-    const Eigen::Vector3d correction = componentDifference(pose, predicted);
-    const double deviations2 = correction.dot(prior.information * correction);
-    return deviations2 > parameters_.slip.deviations * parameters_.slip.deviations;
+  const auto priorOf = [&](const Eigen::Matrix3d& covariance) {
+    return PosePrior{predicted,
+                     shiftCovariance(rotate(covariance, before.yaw_rad), -lever).inverse()};
   };
-  const ScanMatch first =
-      matchScan(surfaces, reference_scans, prior, predicted, parameters_.matcher);
-  estimate.wheels_slipped = contradictsWheels(first.map_from_laser);
+  const auto contradicts = [&](const PosePrior& wheels, double most_deviations, const Pose2& pose) {
+    const Eigen::Vector3d correction = componentDifference(pose, predicted);
+    return correction.dot(wheels.information * correction) > most_deviations * most_deviations;
+  };
+  const PosePrior prior = priorOf(prediction.covariance);
+  const PosePrior believed = priorOf(prediction.believed);
+  ScanMatch first = matchScan(surfaces, reference_scans, believed, predicted, parameters_.matcher);
+  if (contradicts(believed, parameters_.wheel_scatter.max_deviations, first.map_from_laser)) {
+    prediction.believed = prediction.covariance;
+    first = matchScan(surfaces, reference_scans, prior, predicted, parameters_.matcher);
+  }
+  estimate.wheels_slipped = contradicts(prior, parameters_.slip.deviations, first.map_from_laser);
   if (!estimate.wheels_slipped && !last_.wheels_slipped &&
       first.inlier_ratio >= parameters_.lost_inlier_ratio)
     return first;
@@ -176,9 +182,9 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
   PoseHypotheses::Settings settings = hypotheses_;
   if (last_.wheels_slipped || wheels_repeat_)
     settings.slip_probability = parameters_.slip.continued_probability;
-  PoseHypotheses hypotheses(surfaces, reference_scans, prior, settings);
-  hypotheses.add(first);
   const PosePrior weak{predicted, prior.information / parameters_.slip.prior_variance_factor};
+  PoseHypotheses hypotheses(surfaces, reference_scans, {believed, weak.information}, settings);
+  hypotheses.add(first);
   for (const Pose2& guess : {first.map_from_laser, before * base_from_laser,
                              before * last_.motion.pose * base_from_laser})
     hypotheses.alignFrom(guess, weak);
@@ -188,7 +194,7 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
     hypotheses.search(angle_rad);
   }
   ScanMatch best = hypotheses.best().match;
-  estimate.wheels_slipped = contradictsWheels(best.map_from_laser);
+  estimate.wheels_slipped = contradicts(prior, parameters_.slip.deviations, best.map_from_laser);
   estimate.searched = hypotheses.best().searched;
   estimate.contradicts = hypotheses.best().contradiction > parameters_.slip.contradiction;
   if (estimate.searched) best.information /= parameters_.slip.prior_variance_factor;
@@ -216,7 +222,7 @@ void LaserOdometry::fuse(const ScanMatch& found,
   const double variance_factor =
       estimate.wheels_slipped || estimate.jumped ? parameters_.slip.prior_variance_factor : 1.0;
   const Eigen::Matrix3d prior_covariance =
-      variance_factor * rotate(prediction.covariance, before.yaw_rad);
+      variance_factor * rotate(prediction.believed, before.yaw_rad);
   const Eigen::Vector2d lever = odom_from_base.translation() - found.map_from_laser.translation();
   const Eigen::Matrix3d laser_prior = shiftCovariance(prior_covariance, -lever);
   if (found.information.determinant() > 0.0) {
@@ -237,17 +243,21 @@ void LaserOdometry::keepIfKeyScan(SurfaceScan surfaces, const ScanMatch& found) 
     key_scans_.pop_front();
 }
 
-void LaserOdometry::learnBias(const LaserOdometryEstimate& estimate,
-                              const std::optional<Pose2>& wheels) {
+void LaserOdometry::learnWheels(const LaserOdometryEstimate& estimate,
+                                const std::optional<Pose2>& wheels) {
   const bool trusted = wheels && !estimate.wheels_slipped && !estimate.jumped &&
                        estimate.inlier_ratio >= parameters_.lost_inlier_ratio;
   if (trusted && interval_) {
     const Pose2 wheel_motion = interval_->wheels.inverse() * *wheels;
     if (!parameters_.wheel_bias.interval.isReachedBy(wheel_motion)) return;
+    const Pose2 observed = interval_->observed.inverse() * estimate.odom_from_base.pose;
+    wheel_scatter_.add(wheel_bias_.corrected(wheel_motion), observed.yaw_rad, wheelNoise(),
+                       estimate.scan_deviation_rad);
     const double wheels_m2 = std::pow(wheelNoise().deviations(wheel_motion).x(), 2);
     const double scans_m2 = std::pow(estimate.scan_deviation_m, 2);
-    wheel_bias_.add(wheel_motion, interval_->observed.inverse() * estimate.odom_from_base.pose,
-                    wheels_m2 / (wheels_m2 + scans_m2));
+    wheel_bias_.add(wheel_motion, observed, wheels_m2 / (wheels_m2 + scans_m2));
+  } else if (wheels && estimate.wheels_slipped) {
+    wheel_scatter_.addSlip();
   }
   interval_.reset();
   if (trusted) interval_ = Interval{*wheels, estimate.odom_from_base.pose};

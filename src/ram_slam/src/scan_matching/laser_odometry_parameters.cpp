@@ -134,6 +134,8 @@ const ParameterTable<LaserOdometryParameters>& LaserOdometryParameters::table() 
           .section("constant_speed", &P::constant_speed, ConstantSpeedParameters::table())
           .expert("Systematic errors of the wheels that are learned")
           .section("wheel_bias", &P::wheel_bias, WheelBiasParameters::table())
+          .expert("Scatter of the wheels that is learned")
+          .section("wheel_scatter", &P::wheel_scatter, WheelScatterParameters::table())
           .expert("Learning the offset of the stamps")
           .section("stamp_offset", &P::stamp_offset, StampOffsetParameters::table());
   return table;

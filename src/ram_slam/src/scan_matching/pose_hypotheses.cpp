@@ -11,18 +11,22 @@ namespace ram_slam {
 namespace {
 
 std::vector<Eigen::Vector2f> spread(const std::vector<SurfacePoint>& points,
-                                    std::size_t max_count) {
+                                    const PoseSearchParameters& settings) {
+  const auto max_count = static_cast<std::size_t>(settings.max_points);
   const std::size_t stride = std::max<std::size_t>(1, (points.size() + max_count - 1) / max_count);
   std::vector<Eigen::Vector2f> some;
-  for (std::size_t i = 0; i < points.size(); i += stride)
-    some.emplace_back(points[i].x_m, points[i].y_m);
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const Eigen::Vector2f point(points[i].x_m, points[i].y_m);
+    if (point.norm() <= settings.max_range_m) some.push_back(point);
+  }
   return some;
 }
 
 /// The points of the references in the map, and between neighbours on one line so many more that
 /// no cell of the line is empty.
 std::vector<Eigen::Vector2f> densePoints(const std::vector<ReferenceScan>& references,
-                                         double spacing_m) {
+                                         const PoseSearchParameters& settings) {
+  const double spacing_m = settings.resolution_m;
   std::vector<Eigen::Vector2f> points_in_map;
   for (const ReferenceScan& reference : references) {
     const Eigen::Matrix2f rotation = reference.map_from_laser.rotation().cast<float>();
@@ -30,6 +34,7 @@ std::vector<Eigen::Vector2f> densePoints(const std::vector<ReferenceScan>& refer
     const std::vector<SurfacePoint>& points = reference.surfaces->points;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Eigen::Vector2f here(points[i].x_m, points[i].y_m);
+      if (here.norm() > settings.max_range_m) continue;
       points_in_map.push_back(rotation * here + shift);
       if (i + 1 == points.size() || !lieOnOneLine(points[i], points[i + 1], spacing_m)) continue;
       const Eigen::Vector2f step = Eigen::Vector2f(points[i + 1].x_m, points[i + 1].y_m) - here;
@@ -58,6 +63,9 @@ const ram_parameters::ParameterTable<PoseSearchParameters>& PoseSearchParameters
                "Levels of the grid pyramid, each half as fine as the one before.")
           .add("max_points", &P::max_points, "", atLeast(1),
                "Points of a scan that are used, evenly spread.")
+          .add("min_points", &P::min_points, "", atLeast(1),
+               "A scan with fewer points within max_range_m is not searched for.")
+          .add("max_range_m", &P::max_range_m, "m", positive(), "Readings beyond are not used.")
           .add("min_score", &P::min_score, "", within(0.0, 1.0),
                "Mean likelihood that a pose needs.")
           .add("angle_step_rad", &P::angle_step_rad, "rad", positive(),
@@ -76,16 +84,20 @@ const ram_parameters::ParameterTable<PoseSearchParameters>& PoseSearchParameters
 
 PoseHypotheses::PoseHypotheses(const SurfaceScan& surfaces,
                                std::vector<ReferenceScan> references,
-                               const PosePrior& prior,
+                               const Wheels& wheels,
                                const Settings& settings)
-    : surfaces_(surfaces), references_(std::move(references)), prior_(prior), settings_(settings) {
+    : surfaces_(surfaces),
+      references_(std::move(references)),
+      wheels_(wheels),
+      settings_(settings) {
   // V: the square and the full turn that are searched.
   const double volume = 4.0 * settings.search_distance_m * settings.search_distance_m * 2.0 * M_PI;
-  const double peak = std::pow(2.0 * M_PI, -1.5) * std::sqrt(prior.information.determinant());
+  const double determinant = wheels.prior.information.determinant();
+  const double peak = std::pow(2.0 * M_PI, -1.5) * std::sqrt(determinant);
   const double slip = settings.slip_probability;
-  slip_weight_ = slip * std::pow(settings.slip_variance_factor, -1.5);
+  slip_weight_ = slip * std::sqrt(wheels.slip_information.determinant() / determinant);
   anywhere_weight_ = slip * settings.anywhere_probability / (volume * peak);
-  best_ = weighed(unaligned(prior.map_from_laser), false);
+  best_ = weighed(unaligned(wheels.prior.map_from_laser), false);
 }
 
 ScanMatch PoseHypotheses::unaligned(const Pose2& map_from_laser) const {
@@ -98,10 +110,9 @@ ScanMatch PoseHypotheses::unaligned(const Pose2& map_from_laser) const {
 }
 
 double PoseHypotheses::logPrior(const Pose2& map_from_laser) const {
-  const Eigen::Vector3d away = componentDifference(map_from_laser, prior_.map_from_laser);
-  const double deviations2 = away.dot(prior_.information * away);
-  return std::log(std::exp(-0.5 * deviations2) +
-                  slip_weight_ * std::exp(-0.5 * deviations2 / settings_.slip_variance_factor) +
+  const Eigen::Vector3d away = componentDifference(map_from_laser, wheels_.prior.map_from_laser);
+  return std::log(std::exp(-0.5 * away.dot(wheels_.prior.information * away)) +
+                  slip_weight_ * std::exp(-0.5 * away.dot(wheels_.slip_information * away)) +
                   anywhere_weight_);
 }
 
@@ -126,9 +137,8 @@ void PoseHypotheses::alignFrom(const Pose2& guess, const PosePrior& prior) {
 
 std::optional<PoseHypotheses::Hypothesis> PoseHypotheses::found(const LikelihoodPyramid& pyramid,
                                                                 const SearchWindow& window) const {
-  const auto place = searchPose(
-      pyramid, spread(surfaces_.points, static_cast<std::size_t>(settings_.search.max_points)),
-      prior_.map_from_laser, window, settings_.search.min_score);
+  const auto place = searchPose(pyramid, spread(surfaces_.points, settings_.search),
+                                wheels_.prior.map_from_laser, window, settings_.search.min_score);
   if (!place) return std::nullopt;
   const PosePrior weak{place->map_from_laser, Eigen::Matrix3d::Identity()};
   return weighed(matchScan(surfaces_, references_, weak, place->map_from_laser, settings_.matcher),
@@ -137,7 +147,9 @@ std::optional<PoseHypotheses::Hypothesis> PoseHypotheses::found(const Likelihood
 
 void PoseHypotheses::search(double angle_rad) {
   const PoseSearchParameters& settings = settings_.search;
-  const std::vector<Eigen::Vector2f> points = densePoints(references_, settings.resolution_m);
+  if (spread(surfaces_.points, settings).size() < static_cast<std::size_t>(settings.min_points))
+    return;
+  const std::vector<Eigen::Vector2f> points = densePoints(references_, settings);
   if (points.empty()) return;
   const LikelihoodPyramid pyramid(points, settings.resolution_m, settings.deviation_m,
                                   settings.levels);
@@ -176,7 +188,7 @@ void PoseHypotheses::search(double angle_rad) {
 
 PoseHypotheses::Hypothesis PoseHypotheses::nearerOf(const Hypothesis& a,
                                                     const Hypothesis& b) const {
-  const Eigen::Vector2d predicted_m = prior_.map_from_laser.translation();
+  const Eigen::Vector2d predicted_m = wheels_.prior.map_from_laser.translation();
   const Eigen::Vector2d a_m = a.match.map_from_laser.translation();
   const Eigen::Vector2d b_m = b.match.map_from_laser.translation();
   Hypothesis nearer = (a_m - predicted_m).norm() <= (b_m - predicted_m).norm() ? a : b;

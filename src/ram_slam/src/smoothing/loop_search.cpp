@@ -64,6 +64,10 @@ const ram_parameters::ParameterTable<LoopSearchParameters>& LoopSearchParameters
                "Greatest turn that is searched, to each side.")
           .add("neighbour_count", &P::neighbour_count, "", atLeast(0),
                "Key scans on each side that help to recognise a place.")
+          .add("max_neighbour_count", &P::max_neighbour_count, "", atLeast(0),
+               "The same where they see few points.")
+          .add("min_points", &P::min_points, "", atLeast(1),
+               "Points that they see together, without which no place is recognised.")
           .heading("Checks of a loop: all must hold")
           .add("min_score", &P::min_score, "", within(0.0, 1.0),
                "Least mean likelihood of the best pose in the dense search.")

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
+#include <cstdlib>
 
 #include <Eigen/Eigenvalues>
 
@@ -22,10 +24,54 @@ struct Passage {
   std::size_t origin = 0;
 };
 
-/// A key scan with its neighbours. \param end  no key scan from here on
-Passage passageAbout(std::size_t centre, std::size_t end, int neighbour_count) {
-  const auto reach = static_cast<std::size_t>(neighbour_count);
-  return {centre - std::min(centre, reach), std::min(end, centre + reach + 1), centre};
+/// A key scan with its neighbours: so many on each side, and more where they see little.
+/// \param end  no key scan from here on
+Passage passageAbout(const std::vector<KeyScan>& key_scans,
+                     std::size_t centre,
+                     std::size_t end,
+                     const LoopSearchParameters& parameters) {
+  const auto most = static_cast<std::size_t>(parameters.max_neighbour_count);
+  const auto wanted = static_cast<std::size_t>(parameters.dense.query_point_count);
+  auto reach = static_cast<std::size_t>(parameters.neighbour_count);
+  Passage passage;
+  for (;; ++reach) {
+    passage = {centre - std::min(centre, reach), std::min(end, centre + reach + 1), centre};
+    std::size_t points = 0;
+    for (std::size_t i = passage.first; i < passage.last; ++i)
+      points += key_scans[i].surfaces.points.size();
+    if (reach >= most || points >= wanted) return passage;
+  }
+}
+
+/// How many times farther than DenseSearchParameters::max_range_m the passage has to look for half
+/// of its readings, at least 1.
+double scaleOf(const std::vector<KeyScan>& key_scans,
+               const Passage& passage,
+               const DenseSearchParameters& dense) {
+  std::vector<float> ranges_m;
+  for (std::size_t i = passage.first; i < passage.last; ++i) {
+    for (const SurfacePoint& point : key_scans[i].surfaces.points)
+      ranges_m.push_back(std::hypot(point.x_m, point.y_m));
+  }
+  if (ranges_m.empty()) return 1.0;
+  const auto middle = ranges_m.begin() + static_cast<std::ptrdiff_t>(ranges_m.size() / 2);
+  std::nth_element(ranges_m.begin(), middle, ranges_m.end());
+  return std::max(1.0, static_cast<double>(*middle) / dense.max_range_m);
+}
+
+/// In the open all is searched as finely as the farther readings allow: these cross so many cells
+/// per step of the angle as those at the range meant for rooms.
+LoopSearchParameters scaled(LoopSearchParameters parameters, double scale) {
+  parameters.dense.max_range_m *= scale;
+  parameters.dense.resolution_m *= scale;
+  parameters.dense.reading_deviation_m *= scale;
+  parameters.corridor.min_rival_shift_m *= scale;
+  return parameters;
+}
+
+ScanMatcherParameters scaled(ScanMatcherParameters matcher, double scale) {
+  matcher.first_gate_m *= scale;
+  return matcher;
 }
 
 void appendPoints(const KeyScan& key,
@@ -165,26 +211,50 @@ public:
                const LoopSearchParameters& parameters)
       : key_scans_(key_scans),
         query_(query),
-        matcher_(matcher),
-        parameters_(parameters),
-        old_(passageAbout(query.candidate, query.newest, parameters.neighbour_count)),
-        new_(passageAbout(query.newest, key_scans.size(), parameters.neighbour_count)) {}
+        old_(passageAbout(key_scans, query.candidate, query.newest, parameters)),
+        new_(passageAbout(key_scans, query.newest, key_scans.size(), parameters)),
+        scale_(scaleOf(key_scans, new_, parameters.dense)),
+        matcher_(scaled(matcher, scale_)),
+        parameters_(scaled(parameters, scale_)) {}
 
   std::optional<LoopMatch> run() const {
     if (old_.last > new_.first) return std::nullopt;
     const std::vector<Eigen::Vector2f> place = mapPoints(key_scans_, old_, parameters_);
     const std::vector<Eigen::Vector2f> points = queryPoints(key_scans_, new_, parameters_);
-    if (place.empty() || points.empty()) return std::nullopt;
+    if (std::min(place.size(), points.size()) < static_cast<std::size_t>(parameters_.min_points))
+      return std::nullopt;
     const LikelihoodPyramid pyramid(place, parameters_.dense.resolution_m,
                                     parameters_.dense.reading_deviation_m,
                                     parameters_.dense.levels);
     const auto found = searchPose(pyramid, points, query_.map_from_laser_guess, query_.window,
                                   parameters_.min_score);
-    if (!found) return std::nullopt;
+    auto dbg = [&](const char* why, double a, double b) {
+      if (getenv("DBL"))
+        fprintf(stderr,
+                "LOOP %zu %zu win %.2f %.2f %s %.3f %.3f pts %zu scale %.2f pose %.2f %.2f %.3f\n",
+                query_.candidate, query_.newest, query_.window.distance_m, query_.window.angle_rad,
+                why, a, b, points.size(), scale_, found ? found->map_from_laser.x_m : 0,
+                found ? found->map_from_laser.y_m : 0, found ? found->map_from_laser.yaw_rad : 0);
+    };
+    if (!found) {
+      dbg("notfound", 0, 0);
+      return std::nullopt;
+    }
     const ScanMatch there = align(newKey(), old_, found->map_from_laser);
-    if (there.inlier_ratio < parameters_.min_inlier_ratio) return std::nullopt;
+    if (there.inlier_ratio < parameters_.min_inlier_ratio) {
+      dbg("inlier", found->score, there.inlier_ratio);
+      return std::nullopt;
+    }
     const Pose2 old_from_new = oldKey().map_from_laser.inverse() * there.map_from_laser;
-    if (isInFreeSpace(old_from_new) || !returns(old_from_new)) return std::nullopt;
+    if (isInFreeSpace(old_from_new)) {
+      dbg("free", found->score, there.inlier_ratio);
+      return std::nullopt;
+    }
+    if (!returns(old_from_new)) {
+      dbg("return", found->score, there.inlier_ratio);
+      return std::nullopt;
+    }
+    dbg("ok", found->score, there.inlier_ratio);
     LoopMatch match = describe(there, old_from_new, isAmbiguousAt(pyramid, there));
     match.score = found->score;
     return match;
@@ -261,10 +331,11 @@ private:
 
   const std::vector<KeyScan>& key_scans_;
   const LoopQuery& query_;
-  const ScanMatcherParameters& matcher_;
-  const LoopSearchParameters& parameters_;
   Passage old_;
   Passage new_;
+  double scale_;
+  ScanMatcherParameters matcher_;
+  LoopSearchParameters parameters_;
 };
 
 }  // namespace

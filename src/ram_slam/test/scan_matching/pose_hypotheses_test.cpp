@@ -19,12 +19,17 @@ PosePrior prior(const Pose2& predicted, double deviation_m, double deviation_rad
 }
 
 /// The pose that a search about wrong wheels chooses in a room, where the robot is at `truth`.
+/// Wheels that slip with a hundred times their variance.
+PoseHypotheses::Wheels slipping(const PosePrior& wheels) {
+  return {wheels, wheels.information / 100.0};
+}
+
 PoseHypotheses::Hypothesis chosen(const Walls& walls, const Pose2& truth, const PosePrior& wheels) {
   const Pose2 before{-1.0, 0.0, 0.3};
   const SurfaceScan reference = extractSurfaces(scanWalls(walls, before, 1), {});
   const SurfaceScan scan = extractSurfaces(scanWalls(walls, truth, 2), {});
   const PoseHypotheses::Settings settings;
-  PoseHypotheses hypotheses(scan, {{&reference, before}}, wheels, settings);
+  PoseHypotheses hypotheses(scan, {{&reference, before}}, slipping(wheels), settings);
   hypotheses.search(3.2);
   return hypotheses.best();
 }
@@ -41,7 +46,7 @@ TEST(PoseHypotheses, BeginWithThePredictionOfTheWheels) {
   const SurfaceScan empty;
   const PoseHypotheses::Settings settings;
   const PosePrior wheels = prior({1.0, 2.0, 0.5}, 0.02, 0.01);
-  const PoseHypotheses hypotheses(empty, {}, wheels, settings);
+  const PoseHypotheses hypotheses(empty, {}, slipping(wheels), settings);
   EXPECT_EQ(distance(hypotheses.best().match.map_from_laser, wheels.map_from_laser), 0.0);
   EXPECT_EQ(hypotheses.best().match.information.norm(), 0.0);
   EXPECT_FALSE(hypotheses.best().searched);
@@ -85,7 +90,7 @@ TEST(PoseHypotheses, PreciseWheelsNeedMoreEvidenceAgainstThem) {
   other.map_from_laser = {};
   const auto isTaken = [&](double deviation_m) {
     const PosePrior wheels = prior({0.09, 0.0, 0.0}, deviation_m, 0.01);
-    PoseHypotheses hypotheses(reference, {{&reference, Pose2{}}}, wheels, settings);
+    PoseHypotheses hypotheses(reference, {{&reference, Pose2{}}}, slipping(wheels), settings);
     hypotheses.add(other);
     return hypotheses.best().match.map_from_laser.x_m == 0.0;
   };

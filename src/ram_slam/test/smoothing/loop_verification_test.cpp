@@ -71,6 +71,28 @@ TEST(VerifyLoop, FindsNothingBelowTheLeastScore) {
   EXPECT_FALSE(drive.verify());
 }
 
+TEST(VerifyLoop, RecognisesAPlaceWhoseWallsAreFarAway) {
+  // Nothing is within the range that suffices in rooms.
+  const Walls square = rectangle(-20.0, -25.0, 24.0, 22.0) + rectangle(14.0, 15.0, 18.0, 17.0) +
+                       rectangle(-17.0, -20.0, -14.0, -18.0);
+  ThereAndBack drive(square);
+  drive.query.map_from_laser_guess = drive.query.map_from_laser_guess * Pose2{0.5, -0.4, 0.08};
+  const auto match = drive.verify();
+  ASSERT_TRUE(match);
+  const Pose2 truth =
+      relativePose(drive.keys[drive.query.candidate], drive.keys[drive.query.newest]);
+  EXPECT_NEAR(match->edge.from_from_to.x_m, truth.x_m, 0.02);
+  EXPECT_NEAR(match->edge.from_from_to.y_m, truth.y_m, 0.02);
+  EXPECT_NEAR(match->edge.from_from_to.yaw_rad, truth.yaw_rad, 0.005);
+}
+
+TEST(VerifyLoop, FindsNothingFromTooFewPoints) {
+  ThereAndBack drive(pillarRoom());
+  ASSERT_TRUE(drive.verify());
+  drive.parameters.min_points = 100'000;
+  EXPECT_FALSE(drive.verify());
+}
+
 TEST(VerifyLoop, NeedsPassagesThatDoNotOverlap) {
   ThereAndBack drive(pillarRoom());
   drive.query.candidate = drive.query.newest - 2;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ram_slam/calibration/wheel_bias.hpp"
+#include "ram_slam/calibration/wheel_scatter.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/motion/motion_noise.hpp"
 #include "ram_slam/scan_matching/laser_odometry_parameters.hpp"
@@ -76,8 +77,10 @@ private:
   };
   struct Prediction {
     Pose2 motion;
-    Eigen::Matrix3d covariance =
-        Eigen::Matrix3d::Zero();  ///< in the axes of the base before the motion
+    /// As stated, in the axes of the base before the motion.
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    /// With the scatter that was learned; as stated if the scan contradicts that.
+    Eigen::Matrix3d believed = Eigen::Matrix3d::Zero();
   };
 
   LaserOdometryEstimate begin(const LaserScan& scan,
@@ -87,7 +90,7 @@ private:
   MotionNoise wheelNoise() const;
   ScanMatch match(const SurfaceScan& surfaces,
                   const Pose2& base_from_laser,
-                  const Prediction& prediction,
+                  Prediction& prediction,
                   LaserOdometryEstimate& estimate) const;
   /// Whether the scan was matched where no robot can be by now, given where the wheels lead.
   bool isJump(const Pose2& odom_from_base,
@@ -99,8 +102,9 @@ private:
             const Prediction& prediction,
             LaserOdometryEstimate& estimate) const;
   void keepIfKeyScan(SurfaceScan surfaces, const ScanMatch& found);
-  /// Teaches the bias of the wheels, once the robot has moved far enough since the last time.
-  void learnBias(const LaserOdometryEstimate& estimate, const std::optional<Pose2>& wheels);
+  /// Teaches bias and scatter of the wheels, once the robot has moved far enough since the last
+  /// time.
+  void learnWheels(const LaserOdometryEstimate& estimate, const std::optional<Pose2>& wheels);
   /// Of the readings of the wheels: true while they repeat one that they reached in motion.
   bool repeatsReading(const Pose2& odom_from_base) const;
   bool areStuck(const std::optional<Pose2>& wheels, const Pose2& odom_from_base);
@@ -112,6 +116,7 @@ private:
   std::deque<KeyScan> key_scans_;
   std::optional<Pose2> last_wheels_;
   WheelBias wheel_bias_;
+  WheelScatter wheel_scatter_;
   std::optional<Interval> interval_;  ///< the current one
   std::optional<Interval> standing_;  ///< since the wheels stand still
   LaserOdometryEstimate last_;

@@ -6,6 +6,7 @@
 #include "ram_parameters/parameter_table.hpp"
 #include "ram_slam/calibration/stamp_offset.hpp"
 #include "ram_slam/calibration/wheel_bias.hpp"
+#include "ram_slam/calibration/wheel_scatter.hpp"
 #include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/scan_matching/pose_hypotheses.hpp"
 #include "ram_slam/scan_matching/scan_matcher.hpp"
@@ -79,6 +80,7 @@ struct LaserOdometryParameters {
   PoseSearchParameters pose_search;
   ConstantSpeedParameters constant_speed;
   WheelBiasParameters wheel_bias;
+  WheelScatterParameters wheel_scatter;
   StampOffsetParameters stamp_offset;
 
   static const ram_parameters::ParameterTable<LaserOdometryParameters>& table();

@@ -20,6 +20,8 @@ struct PoseSearchParameters {
   double deviation_m = 0.06;   ///< of the readings in it
   int levels = 4;              ///< of the grid pyramid
   int max_points = 150;        ///< of the scan that are used, evenly spread
+  int min_points = 20;         ///< without which no pose is searched
+  double max_range_m = 30.0;   ///< readings beyond are not used: the grid would be large
   double min_score = 0.35;     ///< mean likelihood that a pose needs
   double angle_step_rad = 0.01;
   double wide_angle_rad = 3.2;    ///< to each side, when search_angle_rad has found nothing
@@ -34,10 +36,10 @@ struct PoseSearchParameters {
 /// The poses from which a scan may have been taken, each with its likelihood given the scan, the
 /// scans before and the motion of the wheels.
 ///
-/// ln p(pose | scan, wheels) = ln p(scan | pose) + ln[N(Q) + s N(f Q) + s a / V]: the scan's
+/// ln p(pose | scan, wheels) = ln p(scan | pose) + ln[N(Q) + s N(R) + s a / V]: the scan's
 /// likelihood is poseLogLikelihood(), N(Q) the normal distribution about the prediction with its
-/// covariance, s the probability that the wheels slipped, after which their variance is f times as
-/// large, or, with probability a, the robot anywhere in a volume V about the prediction.
+/// covariance, s the probability that the wheels slipped, after which their covariance is R, or,
+/// with probability a, the robot anywhere in a volume V about the prediction.
 class PoseHypotheses {
 public:
   struct Settings {
@@ -46,9 +48,13 @@ public:
     PoseSearchParameters search;
     double slip_probability = 0.01;
     double anywhere_probability = 0.01;  ///< of a slip that leads anywhere
-    double slip_variance_factor = 100.0;
-    double contradiction = 0.2;  ///< beyond this a pose does not belong to the scan
+    double contradiction = 0.2;          ///< beyond this a pose does not belong to the scan
     double search_distance_m = 0.5;
+  };
+  /// What the wheels show of the laser's pose.
+  struct Wheels {
+    PosePrior prior;                   ///< with the inverse of Q
+    Eigen::Matrix3d slip_information;  ///< the inverse of R
   };
   struct Hypothesis {
     ScanMatch match;
@@ -60,11 +66,10 @@ public:
   };
 
   /// Begins with the pose that the wheels predict, of which the scan knows nothing.
-  /// \param prior  where the laser is predicted to be, with the inverse of Q; outlives this, as do
-  ///   the scans
+  /// The scans outlive this.
   PoseHypotheses(const SurfaceScan& surfaces,
                  std::vector<ReferenceScan> references,
-                 const PosePrior& prior,
+                 const Wheels& wheels,
                  const Settings& settings);
 
   void add(const ScanMatch& match, bool searched = false);
@@ -90,9 +95,9 @@ private:
 
   const SurfaceScan& surfaces_;
   std::vector<ReferenceScan> references_;
-  PosePrior prior_;
+  Wheels wheels_;
   const Settings& settings_;
-  double slip_weight_ = 0.0;      ///< peak of s N(f Q) over that of N(Q)
+  double slip_weight_ = 0.0;      ///< peak of s N(R) over that of N(Q)
   double anywhere_weight_ = 0.0;  ///< s a / V over the peak of N(Q)
   Hypothesis best_;
 };

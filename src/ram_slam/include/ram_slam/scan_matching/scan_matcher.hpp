@@ -24,7 +24,7 @@ struct ScanMatcherParameters {
   int max_iterations = 8;
   int max_points = 400;  ///< of the scan that are used, evenly spread
   /// A step below this ends the iteration, once the gate is the last one.
-  MotionGate converged{2e-4, 5e-5};
+  MotionGate converged{1e-3, 3e-4};
   /// A first step below this means that the guess was good: the last gate is used at once.
   MotionGate good_guess{0.01, 0.005};
   double gate_shrink = 0.6;        ///< the gate of an iteration over that of the one before

@@ -32,7 +32,7 @@ struct SurfaceParameters {
   double max_gap_m = 0.2;  ///< between neighbours; farther apart they are different things
   double max_line_deviation_m = 0.03;   ///< standard deviation of the neighbours from their line
   double max_line_in_deviations = 1.7;  ///< the same of the readings' standard deviation, if larger
-  double max_range_m = 30.0;            ///< readings beyond are not used: too sparse to be lines
+  double max_range_m = 80.0;            ///< readings beyond are not used: too sparse to be lines
   /// Gaps up to this many distances of neighbouring beams on a facing wall are none, either.
   double max_gap_in_beams = 4.0;
   /// A reading without enough neighbours may have them across gaps so many times as wide, if they

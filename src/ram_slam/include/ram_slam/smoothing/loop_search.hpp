@@ -45,6 +45,8 @@ struct LoopSearchParameters {
   double max_distance_m = 15.0;  ///< greatest shift that is searched, to each side
   double max_angle_rad = 0.6;
   int neighbour_count = 4;        ///< key scans on each side that help to recognise a place
+  int max_neighbour_count = 20;   ///< the same where they see few points
+  int min_points = 60;            ///< of a passage, without which no place is recognised
   double min_score = 0.45;        ///< mean likelihood of the best pose in the dense search, 0 .. 1
   double min_inlier_ratio = 0.6;  ///< share of a scan's points that meet a surface of the place
   double max_free_space_ratio = 0.05;  ///< share of points where the place was seen to be free
