@@ -182,6 +182,9 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
   PoseHypotheses::Settings settings = hypotheses_;
   if (last_.wheels_slipped || wheels_repeat_)
     settings.slip_probability = parameters_.slip.continued_probability;
+  // All of a motion of the wheels may be a slip.
+  settings.search_distance_m =
+      std::max(settings.search_distance_m, prediction.motion.translation().norm());
   const PosePrior weak{predicted, prior.information / parameters_.slip.prior_variance_factor};
   PoseHypotheses hypotheses(surfaces, reference_scans, {believed, weak.information}, settings);
   hypotheses.add(first);
