@@ -216,6 +216,37 @@ TEST(LaserOdometry, BelievesTheScansWhereTheWheelsSlip) {
   EXPECT_LT(std::abs(error.z()), 2e-3);
 }
 
+TEST(LaserOdometry, SearchesASlipAsFarAsTheWheelsMoved) {
+  const Pose2 first{-1.0, 0.5, 0.2};
+  const Pose2 aside = first * Pose2{0.0, 0.8, 0.0};
+  LaserOdometry odometry{LaserOdometryParameters()};
+  odometry.update(scanWalls(room(), first * kMount, kStepNs), kMount, first);
+  const LaserOdometryEstimate last = odometry.update(
+      scanWalls(room(), aside * kMount, 30 * kStepNs), kMount, first * Pose2{1.5, 0.0, 0.0});
+  EXPECT_LT(difference(last.odom_from_base.pose, aside).norm(), 0.01);
+}
+
+/// The deviation of the yaw [rad] of a step of 0.1 m where nothing is seen, after a drive about the
+/// room with wheels whose yaw is off by `noise_rad`, to the left and to the right in turn.
+double blindYawDeviation(int steps, double noise_rad) {
+  LaserOdometry odometry{LaserOdometryParameters()};
+  Pose2 wheels;
+  for (int i = 0; i < steps; ++i) {
+    wheels = drive(i) * Pose2{0.0, 0.0, i % 20 < 10 ? noise_rad : -noise_rad};
+    odometry.update(scanWalls(room(), drive(i) * kMount, (i + 1) * kStepNs), kMount, wheels);
+  }
+  const LaserOdometryEstimate last = odometry.update(scanWalls({}, {}, (steps + 1) * kStepNs),
+                                                     kMount, wheels * Pose2{0.1, 0.0, 0.0});
+  return std::sqrt(last.motion.covariance(2, 2));
+}
+
+TEST(LaserOdometry, BelievesTheYawOfWheelsAsFarAsItWasRight) {
+  const double stated_rad = blindYawDeviation(2, 0.0);
+  EXPECT_NEAR(stated_rad, 0.005 + 0.1 * 0.1, 1e-3);
+  EXPECT_LT(blindYawDeviation(1500, 0.0), 0.6 * stated_rad);
+  EXPECT_GT(blindYawDeviation(1500, 0.05), 0.7 * stated_rad);
+}
+
 TEST(LaserOdometry, ReportsTheSlip) {
   bool slipped_before = false;
   bool slipped_after = false;

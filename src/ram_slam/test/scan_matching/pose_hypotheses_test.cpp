@@ -18,17 +18,19 @@ PosePrior prior(const Pose2& predicted, double deviation_m, double deviation_rad
   return prior;
 }
 
-/// The pose that a search about wrong wheels chooses in a room, where the robot is at `truth`.
 /// Wheels that slip with a hundred times their variance.
 PoseHypotheses::Wheels slipping(const PosePrior& wheels) {
   return {wheels, wheels.information / 100.0};
 }
 
-PoseHypotheses::Hypothesis chosen(const Walls& walls, const Pose2& truth, const PosePrior& wheels) {
+/// The pose that a search about wrong wheels chooses in a room, where the robot is at `truth`.
+PoseHypotheses::Hypothesis chosen(const Walls& walls,
+                                  const Pose2& truth,
+                                  const PosePrior& wheels,
+                                  const PoseHypotheses::Settings& settings = {}) {
   const Pose2 before{-1.0, 0.0, 0.3};
   const SurfaceScan reference = extractSurfaces(scanWalls(walls, before, 1), {});
   const SurfaceScan scan = extractSurfaces(scanWalls(walls, truth, 2), {});
-  const PoseHypotheses::Settings settings;
   PoseHypotheses hypotheses(scan, {{&reference, before}}, slipping(wheels), settings);
   hypotheses.search(3.2);
   return hypotheses.best();
@@ -57,6 +59,34 @@ TEST(PoseHypotheses, FindARobotWhoseWheelsMissedATurn) {
   const auto best = chosen(kRoom, truth, prior({-0.9, 0.1, 0.4}, 0.02, 0.02));
   EXPECT_TRUE(best.searched);
   EXPECT_LT(distance(best.match.map_from_laser, truth), 0.01);
+}
+
+TEST(PoseHypotheses, StayWithTheWheelsIfTooFewPointsAreInRange) {
+  const Pose2 truth{-0.9, 0.1, 1.1};
+  const PosePrior wheels = prior({-0.9, 0.1, 0.4}, 0.02, 0.02);
+  PoseHypotheses::Settings settings;
+  settings.search.max_range_m = 0.5;
+  EXPECT_FALSE(chosen(kRoom, truth, wheels, settings).searched) << "all walls are farther";
+  settings.search.max_range_m = 30.0;
+  settings.search.min_points = 1000;
+  EXPECT_FALSE(chosen(kRoom, truth, wheels, settings).searched);
+}
+
+TEST(PoseHypotheses, DependOnTheScatterOfASlipNotOnThatOfGoodWheels) {
+  // A turn of 0.3 rad that the scan shows: thirty deviations of good wheels, three of a slip.
+  const SurfaceScan reference = extractSurfaces(scanWalls(kRoom, {}, 1), {});
+  const PosePrior wheels = prior({0.0, 0.0, 0.3}, 0.02, 0.01);
+  const auto isTaken = [&](double slip_rad) {
+    PoseHypotheses::Settings settings;
+    settings.anywhere_probability = 1e-100;
+    const Eigen::Matrix3d slip = prior({}, 0.2, slip_rad).information;
+    PoseHypotheses hypotheses(reference, {{&reference, Pose2{}}}, {wheels, slip}, settings);
+    ScanMatch by_scan;
+    hypotheses.add(by_scan);
+    return hypotheses.best().match.map_from_laser.yaw_rad == 0.0;
+  };
+  EXPECT_TRUE(isTaken(0.1));
+  EXPECT_FALSE(isTaken(0.01));
 }
 
 TEST(PoseHypotheses, StayWithTheWheelsWhereTheScanFitsAnywhere) {
