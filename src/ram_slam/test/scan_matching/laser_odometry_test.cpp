@@ -217,8 +217,7 @@ TEST(LaserOdometry, BelievesTheScansWhereTheWheelsSlip) {
 }
 
 TEST(LaserOdometry, SearchesASlipAsFarAsTheWheelsMoved) {
-  const Pose2 first{-1.0, 0.5, 0.2};
-  const Pose2 aside = first * Pose2{0.0, 0.8, 0.0};
+  const Pose2 first{-1.0, 0.5, 0.2}, aside = first * Pose2{0.0, 0.8, 0.0};
   LaserOdometry odometry{LaserOdometryParameters()};
   odometry.update(scanWalls(room(), first * kMount, kStepNs), kMount, first);
   const LaserOdometryEstimate last = odometry.update(

@@ -86,6 +86,29 @@ TEST(VerifyLoop, RecognisesAPlaceWhoseWallsAreFarAway) {
   EXPECT_NEAR(match->edge.from_from_to.yaw_rad, truth.yaw_rad, 0.005);
 }
 
+TEST(VerifyLoop, PutsMoreKeyScansTogetherWhereTheySeeLittle) {
+  // One beam in four beside the two key scans: with few neighbours there are too few points.
+  ThereAndBack drive(pillarRoom());
+  for (std::size_t i = 0; i < drive.keys.size(); ++i) {
+    if (i == drive.query.candidate || i == drive.query.newest) continue;
+    SurfaceScan& surfaces = drive.keys[i].surfaces;
+    SurfaceScan few = surfaces;
+    few.points.clear();
+    for (std::size_t beam = 0; beam < surfaces.point_of_beam.size(); ++beam) {
+      few.point_of_beam[beam] = static_cast<std::int32_t>(few.points.size());
+      if (beam % 4 == 0)
+        few.points.push_back(
+            surfaces.points.at(static_cast<std::size_t>(surfaces.point_of_beam[beam])));
+    }
+    surfaces = few;
+  }
+  drive.parameters.min_points = drive.parameters.dense.query_point_count = 800;
+  drive.parameters.max_neighbour_count = drive.parameters.neighbour_count;
+  EXPECT_FALSE(drive.verify());
+  drive.parameters.max_neighbour_count = 10;
+  EXPECT_TRUE(drive.verify());
+}
+
 TEST(VerifyLoop, FindsNothingFromTooFewPoints) {
   ThereAndBack drive(pillarRoom());
   ASSERT_TRUE(drive.verify());
