@@ -21,6 +21,13 @@ std::size_t acceptedClosures(const ram_slam::MapSmoother& smoother) {
       [](const auto& closure) { return closure.state == ram_slam::ClosureState::kAccepted; }));
 }
 
+/// Places where the smoother found that the robot had been carried.
+std::size_t jumps(const ram_slam::MapSmoother& smoother) {
+  return static_cast<std::size_t>(std::count_if(smoother.keyScans().begin(),
+                                                smoother.keyScans().end(),
+                                                [](const auto& key) { return key.is_jump; }));
+}
+
 const char* motionSource(const RunReport::Run& run) {
   if (!run.odometry.hasWheels()) return "scans alone: there is no odometry";
   return run.uses_laser_odometry ? "odometry and scans" : "odometry alone";
@@ -36,6 +43,23 @@ ordered_json toJson(const ram_slam::DropCounter& drops) {
                     {"first_s", 1e-9 * static_cast<double>(row.first_ns)},
                     {"last_s", 1e-9 * static_cast<double>(row.last_ns)},
                     {"last_detail", row.detail}});
+  }
+  return list;
+}
+
+void LossRecord::add(std::int64_t stamp_ns, bool is_lost, const std::string& state) {
+  const bool was_lost = !losses_.empty() && !losses_.back().to_ns;
+  if (is_lost && !was_lost) losses_.push_back({state, stamp_ns, std::nullopt});
+  if (!is_lost && was_lost) losses_.back().to_ns = stamp_ns;
+}
+
+ordered_json LossRecord::toJson() const {
+  ordered_json list = ordered_json::array();
+  for (const Loss& loss : losses_) {
+    list.push_back({{"reason", loss.reason},
+                    {"from_s", 1e-9 * static_cast<double>(loss.from_ns)},
+                    {"to_s", nullptr}});
+    if (loss.to_ns) list.back()["to_s"] = 1e-9 * static_cast<double>(*loss.to_ns);
   }
   return list;
 }
@@ -64,7 +88,9 @@ ordered_json RunReport::summary(const Run& run) const {
       {"loop_closures", run.smooths ? acceptedClosures(run.smoothing.smoother()) : 0},
       {"scans_with_wheel_slip", run.odometry.slipCount()},
       {"scans_without_odometry", run.odometry.withoutWheelsCount()},
-      {"times_lost", lost_count_},
+      {"times_lost", losses_.count()},
+      {"losses", losses_.toJson()},
+      {"times_carried", run.smooths ? jumps(run.smoothing.smoother()) : 0},
       {"key_scans", run.mapping.scanCount()},
       {"clock_resets", run.odometry.resetCount()},
       {"left_out",

@@ -160,11 +160,11 @@ void SlamPipeline::updateEstimator(const ram_slam::MountedScan& scan,
     const ram_slam::FeatureList features =
         feature_detector_.detect(scan.scan, scan.base_from_laser);
     if (smooths()) smoothing_.addFeatures(features);
-    const bool was_lost = estimator_.estimator().isLost();
     estimator_.update(features, motion,
                       std::make_shared<const ram_slam::LaserView>(scan.scan, scan.base_from_laser));
     report_.addFeatures(features.features.size());
-    if (estimator_.estimator().isLost() && !was_lost) report_.addLoss();
+    const ram_slam::Estimator& estimator = estimator_.estimator();
+    report_.losses().add(features.stamp_ns, estimator.isLost(), estimator.state());
   } catch (const std::exception& error) {
     estimator_.drops().add(DropReason::kInvalidScan, scan.scan.stamp_ns, error.what());
   }

@@ -41,5 +41,22 @@ TEST(DropsAsJson, HaveNoStampsInTheirKeys) {
   for (const auto& [key, value] : a.items()) EXPECT_TRUE(b.contains(key)) << key;
 }
 
+TEST(LossRecord, StatesWhyAndFromWhenToWhen) {
+  LossRecord losses;
+  EXPECT_EQ(losses.toJson().dump(), "[]");
+  losses.add(1'000'000'000, false, "tracking");
+  losses.add(2'000'000'000, true, "carried");
+  losses.add(3'000'000'000, true, "another reason");
+  losses.add(4'000'000'000, false, "tracking");
+  losses.add(5'000'000'000, true, "the map contradicts");
+  ASSERT_EQ(losses.count(), 2U);
+  const auto json = losses.toJson();
+  EXPECT_EQ(json[0]["reason"], "carried");
+  EXPECT_DOUBLE_EQ(json[0]["from_s"].get<double>(), 2.0);
+  EXPECT_DOUBLE_EQ(json[0]["to_s"].get<double>(), 4.0);
+  EXPECT_EQ(json[1]["reason"], "the map contradicts");
+  EXPECT_TRUE(json[1]["to_s"].is_null()) << "it is not found again";
+}
+
 }  // namespace
 }  // namespace ramscout_bringup

@@ -101,6 +101,8 @@ TEST(SlamPipeline, TheSummaryStatesWhatWasDriven) {
   EXPECT_EQ(summary["landmarks"], usualRun().landmarks.size());
   EXPECT_EQ(summary["clock_resets"], 0);
   EXPECT_EQ(summary["times_lost"], 0);
+  EXPECT_EQ(summary["losses"].size(), 0U);
+  EXPECT_EQ(summary["times_carried"], 0);
 }
 
 TEST(SlamPipeline, TheMapHasWallsWhereTheRoomHasThem) {

@@ -2,6 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -17,6 +21,26 @@ namespace ramscout_bringup {
 /// What stages dropped, as a list with reason, count, stamps of the first and the last one [s] and
 /// what exactly was wrong with the last one.
 nlohmann::ordered_json toJson(const ram_slam::DropCounter& drops);
+
+/// When and why an estimator does not know its place, loss by loss.
+class LossRecord {
+public:
+  /// After each reading.
+  /// \param state  why, in plain English; used at the first reading of a loss
+  void add(std::int64_t stamp_ns, bool is_lost, const std::string& state);
+
+  std::size_t count() const { return losses_.size(); }
+  /// A list with reason, from_s and to_s; to_s is null while the place is not found again.
+  nlohmann::ordered_json toJson() const;
+
+private:
+  struct Loss {
+    std::string reason;
+    std::int64_t from_ns;
+    std::optional<std::int64_t> to_ns;
+  };
+  std::vector<Loss> losses_;
+};
 
 /// Collects during a run what its summary.json states at the end.
 class RunReport {
@@ -35,8 +59,8 @@ public:
   void addWheels(const ram_slam::StampedPose2& odom_from_base);
   /// Of one reading that the estimator was given.
   void addFeatures(std::size_t count);
-  /// The estimator lost its place.
-  void addLoss() { ++lost_count_; }
+  /// Of the estimator, after each reading.
+  LossRecord& losses() { return losses_; }
 
   nlohmann::ordered_json summary(const Run& run) const;
 
@@ -48,7 +72,7 @@ private:
   Trajectory wheels_;  ///< thinned
   std::size_t feature_count_ = 0;
   std::size_t list_count_ = 0;
-  int lost_count_ = 0;
+  LossRecord losses_;
 };
 
 }  // namespace ramscout_bringup
