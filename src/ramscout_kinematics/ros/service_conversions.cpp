@@ -88,6 +88,7 @@ std::uint8_t toStatus(ramscout_kinematics::Unavailable reason) {
   switch (reason) {
     case ramscout_kinematics::Unavailable::kNoOdometry:
       return Status::NO_ODOMETRY;
+    case ramscout_kinematics::Unavailable::kBeforeFirst:
     case ramscout_kinematics::Unavailable::kTooOld:
       return Status::TOO_OLD;
     case ramscout_kinematics::Unavailable::kNotYetAvailable:

@@ -89,6 +89,7 @@ Added OdometryBuffer::add(const OdometrySample& sample) {
   const std::int64_t newest_ns = empty() ? 0 : entries_.back().sample.stamp_ns;
   if (ram_slam::ClockGuard::isSetBack(newest_ns, sample.stamp_ns)) {
     entries_.clear();
+    has_forgotten_ = false;
     entries_.push_back({sample});
     return Added::kClockSetBack;
   }
@@ -163,6 +164,7 @@ void OdometryBuffer::forgetOld() {
        next != entries_.end() && next->sample.stamp_ns <= limit_ns;
        next = nextAccepted(entries_.begin())) {
     entries_.erase(entries_.begin(), next);
+    has_forgotten_ = true;
   }
 }
 
@@ -276,7 +278,10 @@ void OdometryBuffer::requireCovered(std::int64_t from_ns, std::int64_t to_ns) co
                                 toText(from_ns) + ")");
   }
   if (empty()) throw OdometryUnavailable(Unavailable::kNoOdometry, "no odometry received yet");
-  if (from_ns < oldestNs()) refuse(Unavailable::kTooOld, "from " + toText(from_ns) + " is too old");
+  if (from_ns < oldestNs()) {
+    refuse(has_forgotten_ ? Unavailable::kTooOld : Unavailable::kBeforeFirst,
+           "from " + toText(from_ns) + " is too old");
+  }
   if (to_ns > newestNs() + toNanoseconds(parameters_.max_extrapolation_s)) {
     std::string held_back;
     if (entries_.back().standing == Standing::kHeldBack) {

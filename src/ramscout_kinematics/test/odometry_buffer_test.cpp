@@ -157,7 +157,7 @@ TEST(OdometryBuffer, RefusesIntervalsThatItDoesNotCover) {
   EXPECT_EQ(reasonFor(OdometryBuffer{OdometryBufferParameters()}, 0.0, 1.0),
             Unavailable::kNoOdometry);
   const OdometryBuffer buffer = bufferOf(drive({1.0, 0.0, 0.0}, 1.0, 0.1), extrapolating());
-  EXPECT_EQ(reasonFor(buffer, -0.01, 0.5), Unavailable::kTooOld);
+  EXPECT_EQ(reasonFor(buffer, -0.01, 0.5), Unavailable::kBeforeFirst);
   EXPECT_EQ(reasonFor(buffer, 0.5, 1.21), Unavailable::kNotYetAvailable);
   EXPECT_THROW(buffer.segments(after(0.5), after(0.4)), std::invalid_argument);
   EXPECT_THROW(buffer.segments(0, after(0.4)), std::invalid_argument);

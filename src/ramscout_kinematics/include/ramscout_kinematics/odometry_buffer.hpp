@@ -80,8 +80,8 @@ struct MotionSegment {
   Eigen::Vector3d added_variance = Eigen::Vector3d::Zero();
 };
 
-/// Why the buffer does not know a motion.
-enum class Unavailable { kNoOdometry, kTooOld, kNotYetAvailable, kGap };
+/// Why the buffer does not know a motion. Before the first odometry there was none to forget.
+enum class Unavailable { kNoOdometry, kBeforeFirst, kTooOld, kNotYetAvailable, kGap };
 
 /// A request that the odometry received so far does not cover.
 class OdometryUnavailable : public std::out_of_range {
@@ -146,6 +146,7 @@ private:
   OdometryBufferParameters parameters_;
   /// By stamp, all different. The first is accepted.
   std::deque<Entry> entries_;
+  bool has_forgotten_ = false;  ///< any sample since it was empty
 };
 
 }  // namespace ramscout_kinematics
