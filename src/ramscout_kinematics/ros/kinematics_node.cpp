@@ -27,8 +27,8 @@ bool answerOrFail(const char* service, const Answer& answer) {
     answer();
     return true;
   } catch (const ramscout_kinematics::OdometryUnavailable& error) {
-    // A client ahead of the odometry will ask again; that there is none is in the diagnostics. At the
-    // start a client may have readings from before the odometry, which it counts as left out.
+    // A client ahead of the odometry will ask again; that there is none is in the diagnostics. At
+    // the start a client may have readings from before the odometry, which it counts as left out.
     if (error.reason == ramscout_kinematics::Unavailable::kNotYetAvailable ||
         error.reason == ramscout_kinematics::Unavailable::kBeforeFirst ||
         error.reason == ramscout_kinematics::Unavailable::kNoOdometry) {

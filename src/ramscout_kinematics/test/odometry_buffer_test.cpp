@@ -153,6 +153,19 @@ TEST(OdometryBuffer, ForgetsWhatIsOlderThanItsLength) {
   EXPECT_NEAR(motion(buffer, 8.0, 9.0).x_m, 1.0, 1e-9);
 }
 
+TEST(OdometryBuffer, SeparatesWhatItForgotFromWhatWasBeforeTheFirstOdometry) {
+  OdometryBufferParameters parameters;
+  parameters.buffer_duration_s = 2.0;
+  OdometryBuffer buffer(parameters);
+  const auto samples = drive({1.0, 0.0, 0.0}, 3.0, 0.1);
+  for (const OdometrySample& sample : samples) {
+    buffer.add(sample);
+    const bool is_full = sample.stamp_ns > after(2.05);
+    EXPECT_EQ(reasonFor(buffer, -0.5, 0.0),
+              is_full ? Unavailable::kTooOld : Unavailable::kBeforeFirst);
+  }
+}
+
 TEST(OdometryBuffer, RefusesIntervalsThatItDoesNotCover) {
   EXPECT_EQ(reasonFor(OdometryBuffer{OdometryBufferParameters()}, 0.0, 1.0),
             Unavailable::kNoOdometry);
