@@ -12,8 +12,10 @@ import unittest
 
 import rostest
 
-# node type: (package, a parameter it has, a value out of its range)
+# shipped file, named as its node: (package, a parameter it has, a value out of its range)
 NODES = {
+    "ekf_slam": ("ram_slam", "max_landmarks", "0"),
+    "ukf_localiser": ("ram_slam", "association_gate", "0.0"),
     "fast_slam": ("ram_slam", "particle_amount", "-1"),
     "landmark_smoother": ("ram_slam", "reading_share", "0.0"),
     "laser_odometry": ("ram_slam", "key_scan_distance_m", "0.0"),
@@ -25,6 +27,7 @@ NODES = {
     "simulator": ("ramscout_sim", "physics_rate_hz", "-1.0"),
     "world_map": ("ram_slam", "map_folder", None),  # has texts only: any number is one, none is out of range
 }
+ESTIMATORS = ("ekf_slam", "ukf_localiser")  # run by the node fast_slam, too
 CONFIG = pathlib.Path(__file__).resolve().parent.parent / "config"
 NEEDED = {"simulator": ["_robot:=" + str(CONFIG / "robots" / "ramscout.urdf")]}  # it has no robot of its own
 START_TIMEOUT_S = 20.0
@@ -38,6 +41,8 @@ def start(node, *parameters, file=None):
     name = "%s_%d" % (node, next(fresh_number))
     if file is not None:
         subprocess.run(["rosparam", "load", str(file), "/" + name], check=True, stdout=subprocess.DEVNULL)
+    if node in ESTIMATORS:
+        node, parameters = "fast_slam", ("_node/estimator:=" + node, *parameters)
     return subprocess.Popen(
         ["rosrun", package, node, "__name:=" + name, *parameters],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
