@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/ekf_slam/ekf_slam_parameters.hpp"
 
+#include "ram_slam/fast_slam/read_filter_parameters.hpp"
+
 namespace ram_slam {
 
 const ram_parameters::ParameterTable<EkfSlamParameters>& EkfSlamParameters::table() {
@@ -15,13 +17,7 @@ const ram_parameters::ParameterTable<EkfSlamParameters>& EkfSlamParameters::tabl
 }
 
 EkfSlamParameters readEkfSlamParameters(ram_parameters::ParameterReader& reader) {
-  EkfSlamParameters parameters;
-  EkfSlamParameters::table().read(reader, parameters);
-  reader.has("node");
-  reader.has("relocalisation");
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
+  return readFilterParameters<EkfSlamParameters>(reader);
 }
 
 }  // namespace ram_slam

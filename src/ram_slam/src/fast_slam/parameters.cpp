@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include "ram_slam/fast_slam/read_filter_parameters.hpp"
+
 namespace ram_slam {
 
 using ram_parameters::above;
@@ -284,13 +286,7 @@ void FastSlamParameters::validate() const {
 }
 
 FastSlamParameters readFastSlamParameters(ram_parameters::ParameterReader& reader) {
-  FastSlamParameters parameters;
-  FastSlamParameters::table().read(reader, parameters);
-  reader.has("node");
-  reader.has("relocalisation");
-  reader.rejectUnknown();
-  parameters.validate();
-  return parameters;
+  return readFilterParameters<FastSlamParameters>(reader);
 }
 
 }  // namespace ram_slam

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "ram_slam/fast_slam/association_candidates.hpp"
+#include "ram_slam/fast_slam/read_filter_parameters.hpp"
 #include "ram_slam/geometry/motion_gate.hpp"
 #include "ram_slam/ukf_localiser/sigma_points.hpp"
 
@@ -172,13 +173,7 @@ FilterEntry ukfLocaliserEntry() {
   return {"The estimator ukf_localiser: the pose in a given map (docs/ukf_localiser.md).",
           [](ram_parameters::ParameterReader& reader,
              const FeatureMatchers& matchers) -> LandmarkFilterFactory {
-            UkfLocaliserParameters parameters;
-            UkfLocaliserParameters::table().read(reader, parameters);
-            reader.has("node");
-            reader.has("relocalisation");
-            reader.rejectUnknown();
-            parameters.validate();
-            return [parameters, matchers] {
+            return [parameters = readFilterParameters<UkfLocaliserParameters>(reader), matchers] {
               return std::make_unique<UkfLocaliser>(parameters, matchers);
             };
           },
