@@ -194,6 +194,8 @@ ram_slam::Feature toFeature(const ram_slam_msgs::Feature& message) {
       !(c.determinant() > 0.0)) {
     throw std::invalid_argument("feature covariance is not symmetric and positive definite");
   }
+  if (!(feature.orientation_variance_rad2 > 0.0))
+    throw std::invalid_argument("variance of a feature's orientation is not positive");
   return feature;
 }
 

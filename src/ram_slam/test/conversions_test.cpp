@@ -93,16 +93,18 @@ TEST(Features, SeenLaterAreMovedToTheStampOfTheirList) {
 TEST(Conversions, BadFeaturesAreLeftOutAndCounted) {
   ram_slam::FeatureList list;
   list.stamp_ns = 42;
-  list.features = std::vector<ram_slam::Feature>(5, exampleFeature());
+  list.features = std::vector<ram_slam::Feature>(7, exampleFeature());
   auto message = toFeatureListMessage(list, "base_link");
   message.features[0].pose.pose.position.x = std::numeric_limits<double>::quiet_NaN();
   message.features[1].pose.pose.orientation.w = 0.0;
   message.features[1].pose.pose.orientation.z = 0.0;
   message.features[2].pose.covariance.fill(0.0);
   message.features[3].pose.covariance[1] = 0.5;
+  message.features[4].pose.covariance[35] = -1e-3;
+  message.features[5].pose.covariance[35] = 0.0;
   const CheckedFeatures checked = toFeatureList(message, "base_link");
   EXPECT_EQ(checked.list.features.size(), 1u);
-  EXPECT_EQ(checked.rejected_count, 4);
+  EXPECT_EQ(checked.rejected_count, 6);
 }
 
 TEST(Conversions, FeaturesAsFarOffAsStarsOrAsUncertainAreLeftOutAndCounted) {

@@ -66,7 +66,8 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message);
 /// The same scan as it is, without a frame.
 sensor_msgs::LaserScan toScanMessage(const ram_slam::LaserScan& scan);
 
-/// A feature's position covariance must be finite, symmetric and positive definite.
+/// A feature's position covariance must be finite, symmetric and positive definite, the variance of
+/// its orientation positive.
 /// \throws std::invalid_argument with the reason
 ram_slam::Feature toFeature(const ram_slam_msgs::Feature& message);
 ram_slam_msgs::Feature toFeatureMessage(const ram_slam::Feature& feature,
