@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <stdexcept>
 
@@ -390,11 +389,12 @@ RobotDescription parseRobot(const std::string& urdf,
 RobotDescription readRobot(const std::string& path,
                            const std::string& laser_frame,
                            const RobotLimits& limits) {
-  std::ifstream stream(path);
-  if (!stream) throw std::runtime_error(path + ": cannot be opened");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return parseRobot(text.str(), laser_frame, limits);
+  const std::string text = readXml(path);
+  try {
+    return parseRobot(text, laser_frame, limits);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(path + ": " + error.what());
+  }
 }
 
 }  // namespace ramscout_sim

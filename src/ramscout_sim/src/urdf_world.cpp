@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include <urdf_parser/urdf_parser.h>
@@ -82,15 +80,12 @@ void addLink(const urdf::Link& link,
 }  // namespace
 
 std::vector<Solid> readUrdfSolids(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) throw std::runtime_error(path + ": cannot be opened");
-  std::stringstream text;
-  text << stream.rdbuf();
+  const std::string text = readXml(path);
   const ParserLog log;
   std::shared_ptr<urdf::ModelInterface> model;
   try {
-    requireShallowXml(text.str());
-    model = urdf::parseURDF(text.str());
+    requireShallowXml(text);
+    model = urdf::parseURDF(text);
   } catch (const std::exception& error) {
     refuse(path, error.what());
   }

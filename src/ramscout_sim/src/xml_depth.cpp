@@ -2,6 +2,8 @@
 #include "xml_depth.hpp"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 
 namespace ramscout_sim {
@@ -52,6 +54,12 @@ int depthOfXml(const std::string& text) {
 void requireShallowXml(const std::string& text) {
   if (depthOfXml(text) > kDeepestXml)
     throw std::invalid_argument("elements are nested deeper than " + std::to_string(kDeepestXml));
+}
+
+std::string readXml(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw std::runtime_error(path + ": cannot be opened");
+  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace ramscout_sim

@@ -12,4 +12,7 @@ int depthOfXml(const std::string& text);
 /// need a depth of less than ten. \throws std::invalid_argument if it is more than 100
 void requireShallowXml(const std::string& text);
 
+/// The text of a file. \throws std::runtime_error naming it if it cannot be opened
+std::string readXml(const std::string& path);
+
 }  // namespace ramscout_sim

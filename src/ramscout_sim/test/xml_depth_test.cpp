@@ -7,6 +7,8 @@
 
 #include "ramscout_sim/robot_description.hpp"
 
+#include "temporary_folder.hpp"
+
 namespace ramscout_sim {
 namespace {
 
@@ -31,7 +33,15 @@ TEST(XmlDepth, CountsElementsWithinElements) {
 TEST(XmlDepth, ARobotOfFiftyThousandNestedElementsIsRefusedWithAReason) {
   for (const bool closed : {true, false})
     EXPECT_THAT([&] { parseRobot(nested(50'000, closed), "laser", RobotLimits{}); },
-                testing::ThrowsMessage<std::exception>(testing::HasSubstr("nested")));
+                ::testing::ThrowsMessage<std::exception>(::testing::HasSubstr("nested")));
+}
+
+TEST(XmlDepth, AFileOfARobotIsReadWholeAndRefusalsNameIt) {
+  const testing::TemporaryFolder folder;
+  EXPECT_EQ(readXml(folder.write("a.urdf", nested(3, true))), nested(3, true));
+  const auto read = [](const std::string& path) { readRobot(path); };
+  for (const char* name : {"a.urdf", "none.urdf"})
+    EXPECT_THAT(testing::refusalOf(read, folder / name), ::testing::HasSubstr(folder / name));
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ RobotDescription parseRobot(const std::string& urdf,
                             const std::string& laser_frame = "laser",
                             const RobotLimits& limits = {});
 
-/// The same from a file. \throws std::runtime_error if it cannot be read
+/// The same from a file, which errors name. \throws std::runtime_error if it cannot be read
 RobotDescription readRobot(const std::string& path,
                            const std::string& laser_frame = "laser",
                            const RobotLimits& limits = {});
