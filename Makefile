@@ -1,5 +1,5 @@
 # The commands of this project; README.md says what each leaves behind.
-.PHONY: deps build demo test bench benchmark-logs parameters lint format clean
+.PHONY: deps build demo test bench benchmark-logs parameters lint format fuzz clean
 
 deps:
 	@scripts/install_dependencies.sh
@@ -29,5 +29,9 @@ lint: deps
 format:
 	@clang-format -i $$(git ls-files '*.hpp' '*.cpp')
 
+# SECONDS: for each target
+fuzz: deps
+	@scripts/fuzz.sh $(or $(SECONDS),60)
+
 clean:
-	rm -rf build devel install
+	rm -rf build build_fuzz devel install

@@ -66,20 +66,25 @@ public:
   }
 
 private:
+  /// The type, if it is one that is read.
+  static std::string typeOf(const rosbag::MessageInstance& message) {
+    using namespace ros::message_traits;
+    if (message.isType<sensor_msgs::LaserScan>()) return datatype<sensor_msgs::LaserScan>();
+    if (message.isType<nav_msgs::Odometry>()) return datatype<nav_msgs::Odometry>();
+    if (message.isType<tf2_msgs::TFMessage>()) return datatype<tf2_msgs::TFMessage>();
+    if (message.isType<sensor_msgs::MultiEchoLaserScan>())
+      return datatype<sensor_msgs::MultiEchoLaserScan>();
+    return "";
+  }
+
   static std::optional<RecordedMessage> convert(const rosbag::MessageInstance& message) {
-    RecordedMessage result{message.getTopic(), ram_slam_ros::toNanoseconds(message.getTime()), {}};
-    if (const auto scan = message.instantiate<sensor_msgs::LaserScan>()) {
-      result.content = std::move(*scan);
-    } else if (const auto odometry = message.instantiate<nav_msgs::Odometry>()) {
-      result.content = std::move(*odometry);
-    } else if (const auto transforms = message.instantiate<tf2_msgs::TFMessage>()) {
-      result.content = std::move(*transforms);
-    } else if (const auto echoes = message.instantiate<sensor_msgs::MultiEchoLaserScan>()) {
-      result.content = firstEchoes(*echoes);
-    } else {
-      return std::nullopt;
-    }
-    return result;
+    const std::string type = typeOf(message);
+    if (type.empty()) return std::nullopt;
+    std::vector<std::uint8_t> bytes(message.size());
+    ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+    message.write(stream);
+    return RecordedMessage{message.getTopic(), ram_slam_ros::toNanoseconds(message.getTime()),
+                           decode(type, "ros1", bytes.data(), bytes.size())};
   }
 
   std::string path_;

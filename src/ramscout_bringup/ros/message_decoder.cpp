@@ -3,6 +3,7 @@
 // Fast CDR; the fields in the order of their definitions.
 #include "message_decoder.hpp"
 
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <vector>
@@ -82,12 +83,69 @@ void read(Cdr& cdr, tf2_msgs::TFMessage& message) {
   }
 }
 
+/// Walks over a message as ROS 1 writes it: packed, little-endian, lists behind their lengths.
+class Ros1Walk {
+public:
+  Ros1Walk(const std::uint8_t* bytes, std::size_t size) : bytes_(bytes), left_(size) {}
+
+  void skip(std::size_t size) {
+    if (size > left_) throw std::runtime_error("it is cut short");
+    bytes_ += size;
+    left_ -= size;
+  }
+  /// The length of a list whose elements have so many bytes at least: all of it must follow.
+  std::size_t count(std::size_t element_bytes) {
+    std::uint32_t count = 0;
+    const std::uint8_t* at = bytes_;
+    skip(sizeof(count));
+    std::memcpy(&count, at, sizeof(count));
+    if (count > left_ / element_bytes)
+      throw std::runtime_error("it is too short for a list of " + std::to_string(count));
+    return count;
+  }
+  void skipFloats() { skip(sizeof(float) * count(sizeof(float))); }
+  /// Header and the seven numbers that all scans have.
+  void skipScanHead() {
+    skip(3 * sizeof(std::uint32_t));
+    skip(count(1));
+    skip(7 * sizeof(float));
+  }
+
+private:
+  const std::uint8_t* bytes_;
+  std::size_t left_;
+};
+
+// roscpp makes room for as many elements as a list states before it looks whether they follow: up
+// to 16 GB for a message of a few bytes.
+void requireLists(Ros1Walk walk, const sensor_msgs::LaserScan*) {
+  walk.skipScanHead();
+  walk.skipFloats();
+  walk.skipFloats();
+}
+
+void requireLists(Ros1Walk walk, const sensor_msgs::MultiEchoLaserScan*) {
+  walk.skipScanHead();
+  for (int i = 0; i < 2; ++i) {
+    for (std::size_t beams = walk.count(sizeof(std::uint32_t)); beams > 0; --beams)
+      walk.skipFloats();
+  }
+}
+
+void requireLists(Ros1Walk, const nav_msgs::Odometry*) {}  // it has none
+
+void requireLists(Ros1Walk walk, const tf2_msgs::TFMessage*) {
+  walk.count(5 * sizeof(std::uint32_t) +
+             7 * sizeof(double));  // stamp, number, two names, transform
+}
+
 template <typename Message>
 Message decodeAs(const std::string& encoding, const std::uint8_t* bytes, std::size_t size) {
   Message message;
   // Both readers take a pointer to non-const bytes, which they do not write to.
   auto* begin = const_cast<std::uint8_t*>(bytes);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
   if (encoding == "ros1") {
+    requireLists(Ros1Walk(bytes, size), &message);
     ros::serialization::IStream stream(begin, static_cast<std::uint32_t>(size));
     ros::serialization::deserialize(stream, message);
     return message;

@@ -12,6 +12,7 @@
 #include <tf2_eigen/tf2_eigen.h>
 
 #include "ramscout_bringup/carmen_recording.hpp"
+#include "ramscout_bringup/named_file.hpp"
 
 namespace ramscout_bringup_ros {
 RosRecording::RosRecording(std::unique_ptr<MessageSource> source,
@@ -44,9 +45,10 @@ bool RosRecording::fetchScan() {
   while (waiting_.count(rank_) == 0) {
     const auto message = source_->next();
     if (!message) return false;
-    const std::size_t index = messages_read_++;
-    if (!plan_.scan_ranks.at(index)) continue;
-    takeScan(std::get<sensor_msgs::LaserScan>(message->content), index);
+    const auto* scan = std::get_if<sensor_msgs::LaserScan>(&message->content);
+    if (!scan) continue;  // a topic can carry messages of several types
+    const std::size_t index = scans_read_++;
+    if (plan_.scan_ranks.at(index)) takeScan(*scan, index);
   }
   return true;
 }
@@ -139,11 +141,13 @@ std::unique_ptr<ramscout_bringup::Recording> openRecording(
   std::ifstream file(path, std::ios::binary);
   file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
   const auto begins = [&](const std::string& magic) { return beginning.rfind(magic, 0) == 0; };
-  if (begins("#ROSBAG V")) return openRos(openBag(path), options);
-  if (begins("\x89MCAP")) return openRos(openMcap(path), options);
-  if (begins("SQLite format 3")) return openRos(openSqlite(path), options);
-  refuseRosOptions(options);
-  return std::make_unique<ramscout_bringup::CarmenRecording>(path, options);
+  return ramscout_bringup::namingFile(path, [&]() -> std::unique_ptr<ramscout_bringup::Recording> {
+    if (begins("#ROSBAG V")) return openRos(openBag(path), options);
+    if (begins("\x89MCAP")) return openRos(openMcap(path), options);
+    if (begins("SQLite format 3")) return openRos(openSqlite(path), options);
+    refuseRosOptions(options);
+    return std::make_unique<ramscout_bringup::CarmenRecording>(path, options);
+  });
 }
 
 }  // namespace ramscout_bringup_ros

@@ -46,7 +46,7 @@ private:
   ramscout_bringup::RecordingOptions options_;
   RecordingSurvey survey_;
   RecordingPlan plan_;
-  std::size_t messages_read_ = 0;
+  std::size_t scans_read_ = 0;
   std::map<std::size_t, std::optional<ram_slam::MountedScan>> waiting_;  ///< by rank
   std::size_t rank_ = 0;                                                 ///< of the next scan
   std::size_t odometry_ = 0;                                             ///< index of the next one

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "ram_slam/pose_graph/g2o.hpp"
+#include "ramscout_bringup/named_file.hpp"
 #include "ramscout_feature_detector/corner_matcher.hpp"
 
 namespace ramscout_bringup {
@@ -18,8 +19,10 @@ using ram_slam::Pose2;
 template <typename Read>
 auto readFile(const std::string& folder, const std::string& node, const Read& read) {
   const std::string path = folder + "/" + node + ".yaml";
-  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
-  return read(reader);
+  return namingFile(path, [&] {
+    ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
+    return read(reader);
+  });
 }
 
 /// The shipped noise is that of refined odometry; that of wheels alone is larger.

@@ -7,11 +7,10 @@
 #include <stdexcept>
 
 #include <gmock/gmock.h>
-#include <lz4frame.h>
-#include <sqlite3.h>
-#include <zstd.h>
+#include <ros/serialization.h>
 
 #include "../ros/message_decoder.hpp"
+#include "recorded_bytes.hpp"
 
 namespace ramscout_bringup_ros {
 namespace {
@@ -19,65 +18,6 @@ namespace {
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-using Bytes = std::string;
-
-template <typename Number>
-void put(Bytes& bytes, Number value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
-}
-void putText(Bytes& bytes, const std::string& text) {
-  put(bytes, static_cast<std::uint32_t>(text.size()));
-  bytes += text;
-}
-
-/// Little-endian CDR: values aligned to their size, counted from behind the four bytes of header;
-/// strings end with a zero.
-class CdrWriter {
-public:
-  template <typename Number>
-  CdrWriter& operator<<(Number value) {
-    while ((bytes_.size() - 4) % sizeof(value) != 0) bytes_.push_back('\0');
-    put(bytes_, value);
-    return *this;
-  }
-  CdrWriter& operator<<(const std::string& text) {
-    *this << static_cast<std::uint32_t>(text.size() + 1);
-    bytes_ += text;
-    bytes_.push_back('\0');
-    return *this;
-  }
-  const Bytes& bytes() const { return bytes_; }
-
-private:
-  Bytes bytes_{'\0', '\1', '\0', '\0'};
-};
-
-Bytes scanBytes(std::int32_t seconds) {
-  CdrWriter cdr;
-  cdr << seconds << std::uint32_t{500'000'000} << std::string("laser");
-  for (const float value : {-1.0F, 1.0F, 0.5F, 0.001F, 0.1F, 0.05F, 12.0F}) cdr << value;
-  cdr << std::uint32_t{3} << 1.0F << 2.0F << 3.0F << std::uint32_t{0};
-  return cdr.bytes();
-}
-
-Bytes odometryBytes() {
-  CdrWriter cdr;
-  cdr << std::int32_t{7} << std::uint32_t{0} << std::string("odom") << std::string("base_link");
-  for (const double value : {1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0}) cdr << value;
-  for (int i = 0; i < 36; ++i) cdr << 0.0;
-  for (const double value : {0.5, 0.0, 0.0, 0.0, 0.0, 0.25}) cdr << value;
-  for (int i = 0; i < 36; ++i) cdr << 0.0;
-  return cdr.bytes();
-}
-
-Bytes transformBytes() {
-  CdrWriter cdr;
-  cdr << std::uint32_t{1} << std::int32_t{9} << std::uint32_t{0} << std::string("odom")
-      << std::string("base_link");
-  for (const double value : {3.0, 4.0, 0.0, 0.0, 0.0, 0.0, 1.0}) cdr << value;
-  return cdr.bytes();
-}
 
 MessageContent decoded(const std::string& type, const Bytes& bytes) {
   return decode(type, "cdr", reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
@@ -112,6 +52,43 @@ TEST(MessageDecoder, RefusesALengthThatTheMessageDoesNotHave) {
   EXPECT_THROW(decoded("sensor_msgs/LaserScan", bytes), std::runtime_error);
 }
 
+/// As ROS 1 writes it.
+template <typename Message>
+Bytes packed(const Message& message) {
+  Bytes bytes(ros::serialization::serializationLength(message), '\0');
+  ros::serialization::OStream stream(reinterpret_cast<std::uint8_t*>(bytes.data()),
+                                     static_cast<std::uint32_t>(bytes.size()));
+  ros::serialization::serialize(stream, message);
+  return bytes;
+}
+
+template <typename Message>
+void expectRefusedWithALongerList(const Message& message, std::size_t count_at) {
+  const std::string type = ros::message_traits::datatype<Message>();
+  const auto read = [&type](const Bytes& bytes) {
+    decode(type, "ros1", reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  };
+  Bytes bytes = packed(message);
+  EXPECT_NO_THROW(read(bytes));
+  bytes.replace(count_at, 4, "\xff\xff\xff\x7f");
+  EXPECT_THAT([&] { read(bytes); },
+              ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("too short for a list")));
+}
+
+TEST(MessageDecoder, MakesNoRoomForAListOfRos1ThatTheMessageDoesNotHave) {
+  sensor_msgs::LaserScan scan;
+  scan.ranges = {1.0F, 2.0F};
+  expectRefusedWithALongerList(scan, 16 + 28);
+  sensor_msgs::MultiEchoLaserScan echoes;
+  echoes.ranges.resize(1);
+  echoes.ranges[0].echoes = {1.0F};
+  expectRefusedWithALongerList(echoes, 16 + 28);
+  expectRefusedWithALongerList(echoes, 16 + 28 + 4);
+  tf2_msgs::TFMessage transforms;
+  transforms.transforms.resize(1);
+  expectRefusedWithALongerList(transforms, 0);
+}
+
 TEST(MessageDecoder, KnowsTheNamesOfBothVersionsOfRos) {
   EXPECT_EQ(ros1TypeName("sensor_msgs/msg/LaserScan"), "sensor_msgs/LaserScan");
   EXPECT_EQ(ros1TypeName("nav_msgs/Odometry"), "nav_msgs/Odometry");
@@ -125,67 +102,6 @@ protected:
     return ::testing::TempDir() + ::testing::UnitTest::GetInstance()->current_test_info()->name();
   }
 };
-
-Bytes record(std::uint8_t opcode, const Bytes& content) {
-  Bytes bytes;
-  put(bytes, opcode);
-  put(bytes, static_cast<std::uint64_t>(content.size()));
-  return bytes + content;
-}
-
-Bytes messageRecord(std::uint64_t time_ns, const Bytes& data) {
-  Bytes content;
-  put(content, std::uint16_t{1});
-  put(content, std::uint32_t{0});
-  put(content, time_ns);
-  put(content, time_ns);
-  return record(5, content + data);
-}
-
-Bytes chunk(const std::string& compression, const Bytes& records, std::uint64_t size) {
-  Bytes content;
-  put(content, std::uint64_t{0});
-  put(content, std::uint64_t{0});
-  put(content, size);
-  put(content, std::uint32_t{0});
-  putText(content, compression);
-  put(content, static_cast<std::uint64_t>(records.size()));
-  return record(6, content + records);
-}
-
-Bytes zstd(const Bytes& bytes) {
-  Bytes result(ZSTD_compressBound(bytes.size()), '\0');
-  result.resize(ZSTD_compress(result.data(), result.size(), bytes.data(), bytes.size(), 1));
-  return result;
-}
-
-Bytes lz4(const Bytes& bytes) {
-  Bytes result(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
-  result.resize(
-      LZ4F_compressFrame(result.data(), result.size(), bytes.data(), bytes.size(), nullptr));
-  return result;
-}
-
-const Bytes kMagic("\x89MCAP0\r\n", 8);
-
-/// Header, the schema and the channel of /scan.
-Bytes beginning() {
-  Bytes header;
-  putText(header, "ros2");
-  putText(header, "test");
-  Bytes schema;
-  put(schema, std::uint16_t{1});
-  putText(schema, "sensor_msgs/msg/LaserScan");
-  putText(schema, "ros2msg");
-  putText(schema, "");
-  Bytes channel;
-  put(channel, std::uint16_t{1});
-  put(channel, std::uint16_t{1});
-  putText(channel, "/scan");
-  putText(channel, "cdr");
-  putText(channel, "");
-  return kMagic + record(1, header) + record(3, schema) + record(4, channel);
-}
 
 class McapTest : public SourceTest {
 protected:
@@ -231,31 +147,8 @@ TEST_F(McapTest, ChunkThatClaimsToBeHugeOrOfAnotherSizeEndsTheReading) {
 }
 
 TEST_F(SourceTest, DatabaseOfRosbag2IsReadInTheOrderOfItsTimes) {
-  sqlite3* database = nullptr;
-  std::remove(path().c_str());
-  ASSERT_EQ(sqlite3_open(path().c_str(), &database), SQLITE_OK);
-  const auto run = [&](const std::string& sql) {
-    ASSERT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sql;
-  };
-  run("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format "
-      "TEXT, "
-      "offered_qos_profiles TEXT)");
-  run("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data "
-      "BLOB)");
-  run("INSERT INTO topics VALUES(1, '/odom', 'nav_msgs/msg/Odometry', 'cdr', '')");
-  const auto hex = [](const Bytes& bytes) {
-    std::string text;
-    for (const char byte : bytes) {
-      constexpr const char* kDigits = "0123456789abcdef";
-      text += kDigits[static_cast<unsigned char>(byte) >> 4U];
-      text += kDigits[static_cast<unsigned char>(byte) & 15U];
-    }
-    return "x'" + text + "'";
-  };
-  run("INSERT INTO messages VALUES(1, 1, 200, " + hex(odometryBytes()) + ")");
-  run("INSERT INTO messages VALUES(2, 1, 100, " + hex(odometryBytes()) + ")");
-  run("INSERT INTO messages VALUES(3, 1, 300, x'0001')");
-  sqlite3_close(database);
+  writeDatabase(path(),
+                {{1, 200, odometryBytes()}, {1, 100, odometryBytes()}, {1, 300, Bytes("\0\1", 2)}});
   const auto source = openSqlite(path());
   EXPECT_EQ(source->topics().at(0).type, "nav_msgs/Odometry");
   source->restart({"/odom"});

@@ -69,6 +69,13 @@ TEST(RosRecording, GivesScansAndOdometryInTheOrderOfTheirStampsHoweverTheFileWas
   EXPECT_THAT(recording.notes(), Contains("scans: 100 of /scan, 5.0 Hz, 5 beams over 143 deg"));
 }
 
+TEST(RosRecording, ATopicMayCarryMessagesOfOtherTypesBetweenTheScans) {
+  Drive drive = Drive().withScans();
+  drive.messages.insert(drive.messages.begin() + 5, message("/scan", 0.5, odometry(0.5, 0.0)));
+  RosRecording recording = open(drive);
+  EXPECT_THAT(readAll(recording).scans, SizeIs(100U));
+}
+
 TEST(RosRecording, ScanInTheBaseFrameNeedsNoTf) {
   Drive drive = Drive().withScans().withOdometry();
   drive.messages.erase(drive.messages.begin());

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Fuzzes every target for SECONDS (60 by default), or those that are named behind it:
+#   scripts/fuzz.sh 600 drive.bag map.world
+# Builds with clang and the sanitizers of addresses and undefined behaviour in build_fuzz/. What was found stays as a file in
+# results/fuzz/findings/, what reached new code in results/fuzz/corpus/. The exit code is zero if nothing was found.
+set -eo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+seconds=${1:-60}
+shift || true
+sanitizers="-fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize=vptr -fno-sanitize-recover=all"
+mkdir -p build_fuzz/devel/lib/python3/dist-packages results/fuzz/findings
+export CCACHE_BASEDIR=$workspace CCACHE_NOHASHDIR=1
+cmake -S src -B build_fuzz -DCATKIN_DEVEL_PREFIX="$workspace/build_fuzz/devel" -DCATKIN_ENABLE_TESTING=OFF -DRAM_SLAM_FUZZ=ON \
+  -DCMAKE_C_COMPILER=clang-14 -DCMAKE_CXX_COMPILER=clang++-14 -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DRAM_SLAM_LTO=OFF \
+  -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="-O1 -g1 $sanitizers" >build_fuzz/cmake.log
+make -C build_fuzz -j"$(nproc)" ramscout_bringup_fuzzer >build_fuzz/make.log 2>&1
+fuzzer=build_fuzz/devel/lib/ramscout_bringup/ramscout_bringup_fuzzer
+FUZZ_LIST=results/fuzz/seeds "$fuzzer"
+if [[ $# -eq 0 ]]; then mapfile -t targets < <(ls results/fuzz/seeds); else targets=("$@"); fi
+status=0
+for target in "${targets[@]}"; do
+  mkdir -p "results/fuzz/corpus/$target"
+  log=results/fuzz/$target.log
+  # rosbag asks for as much memory as a header states, up to 4 GB, and does not use it. Assimp keeps some memory of each mesh that it refuses.
+  FUZZ_TARGET=$target ASAN_OPTIONS=detect_leaks=0 "$fuzzer" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=2048 \
+    -malloc_limit_mb=8192 -max_len=8192 -print_final_stats=1 -artifact_prefix="results/fuzz/findings/$target." \
+    "results/fuzz/corpus/$target" "results/fuzz/seeds/$target" >"$log" 2>&1 || { status=1; echo "$target: a finding, see $log"; }
+  echo "$target: $(grep -oP 'stat::number_of_executed_units: *\K\d+' "$log" || echo no) executions"
+done
+exit "$status"
