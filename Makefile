@@ -1,5 +1,5 @@
 # The commands of this project; README.md says what each leaves behind.
-.PHONY: deps build demo test bench benchmark-logs parameters lint format fuzz clean
+.PHONY: deps build demo test bench benchmark-logs parameters lint format fuzz sanitize clean
 
 deps:
 	@scripts/install_dependencies.sh
@@ -32,6 +32,9 @@ format:
 # SECONDS: for each target
 fuzz: deps
 	@scripts/fuzz.sh $(or $(SECONDS),60)
+
+sanitize: deps
+	@scripts/sanitize.sh
 
 clean:
 	rm -rf build build_fuzz devel install

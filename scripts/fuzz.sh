@@ -4,16 +4,11 @@
 # Builds with clang and the sanitizers of addresses and undefined behaviour in build_fuzz/. What was found stays as a file in
 # results/fuzz/findings/, what reached new code in results/fuzz/corpus/. The exit code is zero if nothing was found.
 set -eo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/sanitized_build.sh"
 seconds=${1:-60}
 shift || true
-sanitizers="-fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize=vptr -fno-sanitize-recover=all"
-mkdir -p build_fuzz/devel/lib/python3/dist-packages results/fuzz/findings
-export CCACHE_BASEDIR=$workspace CCACHE_NOHASHDIR=1
-cmake -S src -B build_fuzz -DCATKIN_DEVEL_PREFIX="$workspace/build_fuzz/devel" -DCATKIN_ENABLE_TESTING=OFF -DRAM_SLAM_FUZZ=ON \
-  -DCMAKE_C_COMPILER=clang-14 -DCMAKE_CXX_COMPILER=clang++-14 -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DRAM_SLAM_LTO=OFF \
-  -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="-O1 -g1 $sanitizers" >build_fuzz/cmake.log
-make -C build_fuzz -j"$(nproc)" ramscout_bringup_fuzzer >build_fuzz/make.log 2>&1
+sanitized_build ramscout_bringup_fuzzer
+mkdir -p results/fuzz/findings
 fuzzer=build_fuzz/devel/lib/ramscout_bringup/ramscout_bringup_fuzzer
 FUZZ_LIST=results/fuzz/seeds "$fuzzer"
 if [[ $# -eq 0 ]]; then mapfile -t targets < <(ls results/fuzz/seeds); else targets=("$@"); fi
