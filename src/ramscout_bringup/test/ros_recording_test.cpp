@@ -76,6 +76,37 @@ TEST(RosRecording, ATopicMayCarryMessagesOfOtherTypesBetweenTheScans) {
   EXPECT_THAT(readAll(recording).scans, SizeIs(100U));
 }
 
+/// Gives one more scan when it is read again, as a database does whose index is damaged.
+class Growing : public Memory {
+public:
+  using Memory::Memory;
+  void restart(const std::vector<std::string>& topics) override {
+    Memory::restart(topics);
+    ++readings_;
+    is_extended_ = false;
+  }
+  std::optional<RecordedMessage> next() override {
+    auto message_read = Memory::next();
+    if (message_read || readings_ < 2 || is_extended_) return message_read;
+    is_extended_ = true;
+    return message("/scan", 30.0, scan(30.0));
+  }
+
+private:
+  int readings_ = 0;
+  bool is_extended_ = false;
+};
+
+TEST(RosRecording, AScanThatOnlyTheSecondReadingGivesIsLeftOutAndCounted) {
+  const Drive drive = Drive().withScans();
+  RosRecording recording(std::make_unique<Growing>(drive.messages), {});
+  EXPECT_THAT(readAll(recording).scans, SizeIs(100U));
+  std::size_t readings = 0;
+  while (recording.next()) ++readings;
+  EXPECT_EQ(readings, 0U);
+  EXPECT_THAT(recording.notes(), Contains(HasSubstr("left out 1 scans: the damaged file")));
+}
+
 TEST(RosRecording, ScanInTheBaseFrameNeedsNoTf) {
   Drive drive = Drive().withScans().withOdometry();
   drive.messages.erase(drive.messages.begin());

@@ -3,6 +3,7 @@
 // the same.
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -96,9 +97,9 @@ TEST_P(FuzzReplay, MutationsAreReadOrRefusedWithinASecondAndAGigabyte) {
   for (std::uint64_t number = 0; number < 5000 && Clock::now() < end; ++number) {
     ram_slam::Random random(number);
     const std::string bytes = mutated(target.seeds[number % target.seeds.size()], random);
-    const Clock::time_point start = Clock::now();
+    const std::clock_t start = std::clock();  // of the process: other processes may be busy
     EXPECT_NO_THROW(tryBytes(target, bytes)) << "mutation " << number;
-    EXPECT_LT(Clock::now() - start, std::chrono::seconds(1)) << "mutation " << number;
+    EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC) << "mutation " << number;
   }
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
