@@ -7,7 +7,7 @@ namespace ram_slam {
 namespace {
 
 PoseWithCovariance2 uncertainPose() {
-  PoseWithCovariance2 pose{{3.0, -2.0, 3.1}, {}};
+  PoseWithCovariance2 pose{{3.0, -2.0, 3.1}, Eigen::Matrix3d::Zero()};
   pose.covariance << 0.04, 0.01, 0.002, 0.01, 0.02, -0.001, 0.002, -0.001, 0.003;
   return pose;
 }
@@ -36,7 +36,7 @@ TEST(SigmaPoints, MovedOneByOneAgreeWithTheLinearisedMotionWhereItIsGood) {
 }
 
 TEST(SigmaPoints, CorrectAsTheKalmanFilterWhereThePoseKnowsItsYaw) {
-  PoseWithCovariance2 pose{{1.0, 2.0, 0.5}, {}};
+  PoseWithCovariance2 pose{{1.0, 2.0, 0.5}, Eigen::Matrix3d::Zero()};
   pose.covariance(0, 0) = pose.covariance(1, 1) = 0.09;
   const Landmark landmark{{4.0, 3.0}, 0.04 * Eigen::Matrix2d::Identity()};
   const PointMeasurement measured{pose.pose.inverse() * Eigen::Vector2d(4.2, 3.1),
