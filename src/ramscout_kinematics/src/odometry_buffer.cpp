@@ -33,7 +33,7 @@ const ram_parameters::ParameterTable<OdometryBufferParameters>& OdometryBufferPa
   static const auto table =
       ParameterTable<P>()
           .add("buffer_duration_s", &P::buffer_duration_s, "s", aboveUpTo(0.0, 3600.0),
-               "Length of the history that can be asked about.")
+               "Length of the history that can be asked about; of a gap, max_gap_s count.")
           .add("reorder_window_s", &P::reorder_window_s, "s",
                between(0.0, ram_slam::ClockGuard::kSetBackNs * 1e-9),
                "Odometry that arrives out of order by up to this is put in its place, later it is "
@@ -58,10 +58,11 @@ const ram_parameters::ParameterTable<OdometryBufferParameters>& OdometryBufferPa
           .add("max_turn_rate_radps", &P::max_turn_rate_radps, "rad/s", positive(),
                "Fastest the robot turns; jumps as above.")
           .expert("Odometry samples")
-          .add("still_gap_m", &P::still_gap_m, "m", atLeast(0.0),
+          .add("continuous_gap_m", &P::continuous_gap_m, "m", atLeast(0.0),
                "A gap over which the pose moved no farther than this ...")
-          .add("still_gap_rad", &P::still_gap_rad, "rad", atLeast(0.0),
-               "... and turned no farther than this is none: the robot stood still.")
+          .add("continuous_gap_rad", &P::continuous_gap_rad, "rad", atLeast(0.0),
+               "... and turned no farther than this is none: the odometry went on, or the robot "
+               "stood still.")
           .add("jump_slack_m", &P::jump_slack_m, "m", atLeast(0.0),
                "Distance a sample may be off beyond twice the speed before it is a jump: stamps "
                "jitter.")
@@ -107,6 +108,7 @@ Added OdometryBuffer::add(const OdometrySample& sample) {
   } else {
     entries_.insert(place, {sample});
   }
+  measureFrom(index);
   const bool origin_moved = judgeFrom(index);
   const bool held_back = entries_[index].standing == Standing::kHeldBack;
   forgetOld();
@@ -158,10 +160,19 @@ bool OdometryBuffer::isPlausible(const OdometrySample& before, const OdometrySam
              2.0 * parameters_.max_turn_rate_radps * interval_s + parameters_.jump_slack_rad;
 }
 
+void OdometryBuffer::measureFrom(std::size_t first) {
+  const std::int64_t max_gap_ns = toNanoseconds(parameters_.max_gap_s);
+  for (std::size_t i = std::max<std::size_t>(first, 1); i < entries_.size(); ++i) {
+    const std::int64_t interval_ns = entries_[i].sample.stamp_ns - entries_[i - 1].sample.stamp_ns;
+    entries_[i].history_ns = entries_[i - 1].history_ns + std::min(interval_ns, max_gap_ns);
+  }
+}
+
 void OdometryBuffer::forgetOld() {
-  const std::int64_t limit_ns = newestNs() - toNanoseconds(parameters_.buffer_duration_s);
+  const std::int64_t limit_ns = acceptedBefore(entries_.back().sample.stamp_ns)->history_ns -
+                                toNanoseconds(parameters_.buffer_duration_s);
   for (auto next = nextAccepted(entries_.begin());
-       next != entries_.end() && next->sample.stamp_ns <= limit_ns;
+       next != entries_.end() && next->history_ns <= limit_ns;
        next = nextAccepted(entries_.begin())) {
     entries_.erase(entries_.begin(), next);
     has_forgotten_ = true;
@@ -215,17 +226,18 @@ MotionSegment OdometryBuffer::between(const Entry& before,
   const double interval_s = secondsBetween(start_ns, after.sample.stamp_ns);
   const ram_slam::Pose2 moved =
       before.sample.odom_from_base.inverse() * after.sample.odom_from_base;
-  const bool stood_still = after.standing == Standing::kAccepted &&
-                           moved.translation().norm() <= parameters_.still_gap_m &&
-                           std::abs(moved.yaw_rad) <= parameters_.still_gap_rad;
+  const bool is_continuous = after.standing == Standing::kAccepted &&
+                             moved.translation().norm() <= parameters_.continuous_gap_m &&
+                             std::abs(moved.yaw_rad) <= parameters_.continuous_gap_rad;
   const double longest_s = after.sample.is_restart ? parameters_.gap_s : parameters_.max_gap_s;
-  if (interval_s > longest_s && !stood_still) {
+  if (interval_s > longest_s && !is_continuous) {
     refuse(Unavailable::kGap,
            "no odometry between " + toText(start_ns) + " and " + toText(after.sample.stamp_ns));
   }
   MotionSegment segment;
   segment.duration_s = secondsBetween(from_ns, to_ns);
-  segment.noise_factor = std::max(1.0, interval_s / parameters_.gap_s);
+  segment.noise_factor =
+      std::clamp(interval_s / parameters_.gap_s, 1.0, parameters_.max_gap_s / parameters_.gap_s);
   const double fraction = segment.duration_s / interval_s;
   if (after.standing == Standing::kOriginMoved) {
     // How far the robot went is not known, but how far it can have gone is.

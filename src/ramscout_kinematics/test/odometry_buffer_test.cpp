@@ -233,19 +233,36 @@ TEST(OdometryBuffer, BridgesAGapWithMoreNoiseAndRefusesALongOne) {
   EXPECT_NEAR(motion(holed, 4.0, 4.5).x_m, 0.5, 1e-9);
 }
 
-TEST(OdometryBuffer, AGapOverWhichThePoseStaysIsNone) {
-  OdometryBufferParameters parameters;
-  parameters.max_gap_s = 2.0;
-  parameters.buffer_duration_s = 3600.0;
+/// A second of odometry, then nothing for `gap_s`, then a pose `moved_m` farther on.
+std::vector<OdometrySample> driveWithGap(double gap_s, double moved_m) {
   std::vector<OdometrySample> samples = drive({1.0, 0.0, 0.0}, 1.0, 0.1);
   OdometrySample later = samples.back();
-  later.stamp_ns += 60'000'000'000;
-  later.odom_from_base.x_m += 0.01;
+  later.stamp_ns += static_cast<std::int64_t>(1e9 * gap_s);
+  later.odom_from_base.x_m += moved_m;
   samples.push_back(later);
-  const double end_s = 1e-9 * static_cast<double>(later.stamp_ns - samples.front().stamp_ns);
-  EXPECT_NEAR(motion(bufferOf(samples, parameters), 0.0, end_s).x_m, 1.01, 1e-6);
-  samples.back().odom_from_base.x_m += 0.1;
-  EXPECT_EQ(reasonFor(bufferOf(samples, parameters), 0.0, end_s), Unavailable::kGap);
+  return samples;
+}
+
+TEST(OdometryBuffer, AGapOverWhichThePoseGoesOnIsNone) {
+  const OdometryBuffer on = bufferOf(driveWithGap(60.0, 0.3));
+  EXPECT_NEAR(motion(on, 0.0, 61.0).x_m, 1.3, 1e-6);
+  const OdometryBuffer away = bufferOf(driveWithGap(60.0, 0.6));
+  EXPECT_EQ(reasonFor(away, 0.0, 61.0), Unavailable::kGap);
+}
+
+TEST(OdometryBuffer, KeepsWhatWasBeforeAGapHoweverLongThatWas) {
+  OdometryBufferParameters parameters;
+  parameters.buffer_duration_s = 12.0;
+  parameters.max_gap_s = 10.0;
+  OdometryBuffer buffer = bufferOf(driveWithGap(3600.0, 0.0), parameters);
+  EXPECT_EQ(buffer.oldestNs(), after(0.0));
+  EXPECT_NEAR(motion(buffer, 0.5, 3601.0).x_m, 0.5, 1e-6);
+  OdometrySample next = driveWithGap(3600.0, 0.0).back();
+  for (int i = 0; i < 30; ++i) {
+    next.stamp_ns += 100'000'000;
+    buffer.add(next);
+  }
+  EXPECT_EQ(buffer.oldestNs(), after(1.0)) << "10 s of the gap and 3 s after it are longer";
 }
 
 TEST(OdometryBuffer, NamesTheLimitThatHoldsOdometryBack) {

@@ -43,10 +43,11 @@ struct OdometryBufferParameters {
   /// Standard deviation of the unknown acceleration while extrapolating.
   double acceleration_sigma_mps2 = 1.0;
   double turn_acceleration_sigma_radps2 = 2.0;
+  /// A gap over which the pose changed by no more than this is none: the odometry went on, or the
+  /// robot stood still.
+  double continuous_gap_m = 0.5;
+  double continuous_gap_rad = 0.5;
   /// What a sample may be off beyond the speed limits before it is a jump: stamps jitter.
-  /// A gap over which the pose changed by no more than this is none: the robot stood still.
-  double still_gap_m = 0.05;
-  double still_gap_rad = 0.05;
   double jump_slack_m = 0.1;
   double jump_slack_rad = 0.1;
   /// Shortest time between two poses that give a velocity.
@@ -123,11 +124,15 @@ private:
   struct Entry {
     OdometrySample sample;
     Standing standing = Standing::kAccepted;
+    /// Time since the first entry; of a gap, max_gap_s count.
+    std::int64_t history_ns = 0;
   };
   using Iterator = std::deque<Entry>::const_iterator;
 
   /// Decides about the entries from `first` on; true if the origin was found to have moved.
   bool judgeFrom(std::size_t first);
+  /// Measures the time up to the entries from `first` on.
+  void measureFrom(std::size_t first);
   bool originMovedAt(std::size_t last_of_three) const;
   bool isPlausible(const OdometrySample& before, const OdometrySample& after) const;
   void forgetOld();
