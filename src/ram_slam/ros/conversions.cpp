@@ -165,6 +165,26 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message) {
   return scan;
 }
 
+ram_slam::LidarCorrection toLidarCorrection(const ram_slam_msgs::LidarCalibration& message) {
+  const bool is_possible =
+      std::abs(message.turn_time) <= 1.0 && std::abs(message.range_offset) <= 1.0;
+  if (!is_possible) {
+    throw std::invalid_argument("no lidar is off by a turn_time of " +
+                                std::to_string(message.turn_time) + " s, a range_offset of " +
+                                std::to_string(message.range_offset) + " m");
+  }
+  return {message.turn_time, message.range_offset};
+}
+
+ram_slam_msgs::LidarCalibration toLidarMessage(const ram_slam::LidarCalibration& calibration) {
+  ram_slam_msgs::LidarCalibration message;
+  message.turn_time = calibration.correction().turn_s;
+  message.turn_time_deviation = calibration.deviation().turn_s;
+  message.range_offset = calibration.correction().range_m;
+  message.range_offset_deviation = calibration.deviation().range_m;
+  return message;
+}
+
 sensor_msgs::LaserScan toScanMessage(const ram_slam::LaserScan& scan) {
   sensor_msgs::LaserScan message;
   message.header.stamp = toTime(scan.stamp_ns);

@@ -14,6 +14,8 @@ LaserOdometryNode::LaserOdometryNode(ram_parameters::ParameterReader& reader)
       stage_(parameters_),
       scans_(parameters_.base_frame, transforms_),
       publisher_(node_.advertise<nav_msgs::Odometry>("laser_odom", kQueueSize)),
+      calibration_publisher_(
+          node_.advertise<ram_slam_msgs::LidarCalibration>("lidar_calibration", 1, kLatched)),
       scan_subscriber_(node_.subscribe("scan",
                                        kQueueSize,
                                        &LaserOdometryNode::onScan,
@@ -39,7 +41,9 @@ NodeDiagnostics::Report LaserOdometryNode::report() const {
   report.drops = stage_.drops();
   report.values = {{"scans that contradict the wheels", static_cast<double>(stage_.slipCount())},
                    {"scans without odometry", static_cast<double>(stage_.withoutWheelsCount())},
-                   {"stamp offset [s]", 1e-9 * static_cast<double>(stage_.stampOffset_ns())}};
+                   {"stamp offset [s]", 1e-9 * static_cast<double>(stage_.stampOffset_ns())},
+                   {"lidar: correction of the time of a turn [s]", correction_.turn_s},
+                   {"lidar: correction of the readings [m]", correction_.range_m}};
   report.messages = scans_.messages();
   if (stage_.isMirrored()) {
     report.causes.push_back(
@@ -89,6 +93,7 @@ void LaserOdometryNode::processWaiting() {
       publish(pose.stamp_ns, {pose.pose, step->estimate.odom_from_base.covariance});
     publish(step->estimate);
   }
+  publishCalibration();
   if (stage_.resetCount() != reset_count_) {
     reset_count_ = stage_.resetCount();
     ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic()
@@ -104,6 +109,20 @@ void LaserOdometryNode::publish(const ram_slam::LaserOdometryEstimate& estimate)
     ROS_WARN_THROTTLE(kLogPeriodS, "The wheels slip: scans and odometry disagree");
   if (estimate.wheels_stuck) stuck_ = ros::SteadyTime::now();
   publish(estimate.stamp_ns, estimate.odom_from_base);
+}
+
+void LaserOdometryNode::publishCalibration() {
+  const ram_slam::LidarCalibration& calibration = stage_.lidarCalibration();
+  if (calibration.correction() == correction_) return;
+  correction_ = calibration.correction();
+  ram_slam_msgs::LidarCalibration message = toLidarMessage(calibration);
+  message.header.stamp = toTime(stage_.lastStamp_ns());
+  message.header.frame_id = parameters_.base_frame;
+  calibration_publisher_.publish(message);
+  ROS_INFO_STREAM_ONCE("The scans on "
+                       << scan_subscriber_.getTopic()
+                       << " are corrected by what was learned: " << toText(calibration)
+                       << "; later changes are on " << calibration_publisher_.getTopic());
 }
 
 void LaserOdometryNode::publish(std::int64_t stamp_ns,

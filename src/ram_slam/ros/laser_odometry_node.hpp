@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nav_msgs/Odometry.h>
+#include <ram_slam_msgs/LidarCalibration.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <tf2_ros/buffer.h>
@@ -15,7 +16,8 @@
 
 namespace ram_slam_ros {
 
-/// `scan` and `odom` in, `laser_odom` out: the same message, refined, at each scan's stamp.
+/// `scan` and `odom` in, `laser_odom` out: the same message, refined, at each scan's stamp; and on
+/// `lidar_calibration` what it learns about the lidar.
 /// Publishes no tf: odom to base stays the wheels'.
 class LaserOdometryNode {
 public:
@@ -28,11 +30,14 @@ private:
   NodeDiagnostics::Report report() const;
   void processWaiting();
   void publish(const ram_slam::LaserOdometryEstimate& estimate);
+  /// If it has changed.
+  void publishCalibration();
   void publish(std::int64_t stamp_ns, const ram_slam::PoseWithCovariance2& odom_from_base);
 
   ram_slam::LaserOdometryParameters parameters_;
   ram_slam::OdometryStage stage_;
-  int reset_count_ = 0;  ///< that was logged
+  int reset_count_ = 0;                   ///< that was logged
+  ram_slam::LidarCorrection correction_;  ///< that was published
   // Longer than tf's usual: a recording may be played many times faster than real time.
   tf2_ros::Buffer transforms_{ros::Duration(60.0)};
   tf2_ros::TransformListener listener_{transforms_};
@@ -42,6 +47,7 @@ private:
   ros::SteadyTime stuck_;  ///< when the wheels were seen to be stuck the last time
   ros::NodeHandle node_;
   ros::Publisher publisher_;
+  ros::Publisher calibration_publisher_;
   ros::Subscriber scan_subscriber_;
   ros::Subscriber odometry_subscriber_;
   NodeDiagnostics diagnostics_;

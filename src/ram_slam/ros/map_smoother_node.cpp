@@ -24,6 +24,7 @@ MapSmootherNode::MapSmootherNode(ram_parameters::ParameterReader& reader)
   map_pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>("map_pose", 100);
   status_publisher_ = node_.advertise<ram_slam_msgs::SmoothingStatus>("smoothing_status", 100);
   scan_subscriber_ = node_.subscribe("scan", kQueueSize, &MapSmootherNode::onScan, this, hints);
+  scans_.followCalibration(node_);
   odometry_subscriber_ =
       node_.subscribe("odom", kQueueSize, &MapSmootherNode::onOdometry, this, hints);
   features_subscriber_ =

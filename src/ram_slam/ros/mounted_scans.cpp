@@ -20,6 +20,19 @@ constexpr double kMaxWaitS = 1.0;  // a static transform arrives within millisec
 
 }  // namespace
 
+void MountedScans::followCalibration(ros::NodeHandle& node) {
+  calibration_ = node.subscribe("lidar_calibration", 1, &MountedScans::onCalibration, this,
+                                ros::TransportHints().tcpNoDelay());
+}
+
+void MountedScans::onCalibration(const ram_slam_msgs::LidarCalibration& message) {
+  try {
+    correction_ = toLidarCorrection(message);
+  } catch (const std::exception& error) {
+    ROS_WARN_STREAM_THROTTLE(kLogPeriodS, calibration_.getTopic() << " ignored: " << error.what());
+  }
+}
+
 bool MountedScans::add(const ros::MessageEvent<const sensor_msgs::LaserScan>& event,
                        ram_slam::DropCounter& drops) {
   const sensor_msgs::LaserScan& message = *event.getMessage();
@@ -61,7 +74,8 @@ std::optional<ram_slam::MountedScan> MountedScans::next(ram_slam::DropCounter& d
       const Mounting mounting =
           toMounting(transforms_.lookupTransform(base_frame_, scan.frame, stamp).transform);
       if (mounting.upside_down) scan.scan = ram_slam::mirrored(std::move(scan.scan));
-      return ram_slam::MountedScan{std::move(scan.scan), mounting.base_from_sensor};
+      return ram_slam::MountedScan{corrected(std::move(scan.scan), correction_),
+                                   mounting.base_from_sensor};
     } catch (const std::exception& error) {
       drops.add(ram_slam::DropReason::kNoMount, scan.scan.stamp_ns, error.what());
     }

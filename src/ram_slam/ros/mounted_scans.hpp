@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include <ram_slam_msgs/LidarCalibration.h>
 #include <ros/ros.h>
 #include <sensor_msgs/LaserScan.h>
 #include <tf2_ros/buffer.h>
 
+#include "ram_slam/calibration/lidar_calibration.hpp"
 #include "ram_slam/sensing/placed_scan.hpp"
 #include "ram_slam/stages/input_guard.hpp"
 #include "ram_slam/stages/loss_counter.hpp"
@@ -24,6 +26,9 @@ public:
   /// \param transforms  outlives this
   MountedScans(std::string base_frame, const tf2_ros::Buffer& transforms)
       : base_frame_(std::move(base_frame)), transforms_(transforms) {}
+
+  /// Corrects the scans as laser_odometry does, by what it publishes on `lidar_calibration`.
+  void followCalibration(ros::NodeHandle& node);
 
   /// \return whether the stamps show that the clock was set back; then what waited is dropped
   bool add(const ros::MessageEvent<const sensor_msgs::LaserScan>& event,
@@ -46,8 +51,12 @@ private:
     ros::SteadyTime since;
   };
 
+  void onCalibration(const ram_slam_msgs::LidarCalibration& message);
+
   std::string base_frame_;
   const tf2_ros::Buffer& transforms_;
+  ros::Subscriber calibration_;
+  ram_slam::LidarCorrection correction_;
   ram_slam::InputGuard<Waiting> guard_;
   ram_slam::LossCounter messages_;
   std::deque<Waiting> waiting_;

@@ -31,6 +31,7 @@ OccupancyMapperNode::OccupancyMapperNode(ram_parameters::ParameterReader& reader
       private_node_.advertiseService("save_map", &OccupancyMapperNode::onSaveMap, this);
   reset_service_ = private_node_.advertiseService("reset", &OccupancyMapperNode::onReset, this);
   scan_subscriber_ = node_.subscribe("scan", kQueueSize, &OccupancyMapperNode::onScan, this, hints);
+  scans_.followCalibration(node_);
   correction_subscriber_ =
       node_.subscribe("corrected_trajectory", 1, &OccupancyMapperNode::onTrajectory, this, hints);
   tracking_subscriber_ =

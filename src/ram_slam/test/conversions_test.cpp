@@ -46,6 +46,18 @@ TEST(Conversions, CovarianceKeepsItsPlaces) {
   EXPECT_EQ(toPoseWithCovariance2(message).covariance, pose.covariance);
 }
 
+TEST(Conversions, LidarCalibrationIsSentAndChecked) {
+  ram_slam_msgs::LidarCalibration message = toLidarMessage(ram_slam::LidarCalibration());
+  EXPECT_EQ(toLidarCorrection(message), ram_slam::LidarCorrection{});
+  message.turn_time = -0.04;
+  message.range_offset = 0.01;
+  EXPECT_EQ(toLidarCorrection(message), (ram_slam::LidarCorrection{-0.04, 0.01}));
+  for (const double impossible : {2.0, -2.0, std::numeric_limits<double>::quiet_NaN()}) {
+    message.turn_time = impossible;
+    EXPECT_THROW(toLidarCorrection(message), std::invalid_argument);
+  }
+}
+
 TEST(Conversions, FeatureListRoundTrip) {
   ram_slam::FeatureList list;
   list.stamp_ns = 42;

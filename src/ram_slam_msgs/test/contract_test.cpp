@@ -8,6 +8,7 @@
 #include <ram_slam_msgs/FeatureList.h>
 #include <ram_slam_msgs/GetDrawnMap.h>
 #include <ram_slam_msgs/KeyScan.h>
+#include <ram_slam_msgs/LidarCalibration.h>
 #include <ram_slam_msgs/PredictState.h>
 #include <ram_slam_msgs/PredictStateWithCovariance.h>
 #include <ram_slam_msgs/SampleState.h>
@@ -56,6 +57,10 @@ TEST(Contract, TrackingKeepsItsMd5Sum) {
 
 TEST(Contract, GetDrawnMapKeepsItsMd5Sum) {
   EXPECT_EQ(serviceMd5<ram_slam_msgs::GetDrawnMap>(), "62933b88692252ff2d852e2ef2a8d9bf");
+}
+
+TEST(Contract, LidarCalibrationKeepsItsMd5Sum) {
+  EXPECT_EQ(md5<ram_slam_msgs::LidarCalibration>(), "909dd9159044e8fd6c4c54818c11aa56");
 }
 
 TEST(Contract, MessagesWithAHeaderSaySo) {

@@ -81,9 +81,12 @@ ramscout_bringup::Results map(ramscout_bringup::Recording& recording, const Opti
   parameters.use_map_smoother = !options.no_smoothing;
   ramscout_bringup::SlamPipeline pipeline(parameters);
   feed(recording, pipeline);
-  for (const std::string& note : recording.notes()) std::cout << note << "\n";
   ramscout_bringup::Results results = pipeline.finish();
-  results.summary["notes"] = recording.notes();
+  std::vector<std::string> notes = recording.notes();
+  if (!options.wheels_only)
+    notes.push_back("lidar: " + results.summary["lidar"]["meaning"].get<std::string>());
+  for (const std::string& note : notes) std::cout << note << "\n";
+  results.summary["notes"] = notes;
   return results;
 }
 

@@ -33,6 +33,18 @@ const char* motionSource(const RunReport::Run& run) {
   return run.uses_laser_odometry ? "odometry and scans" : "odometry alone";
 }
 
+ordered_json withSigma(double value, double sigma) {
+  return {{"value", value}, {"sigma", sigma}};
+}
+
+ordered_json toJson(const ram_slam::LidarCalibration& lidar) {
+  const ram_slam::LidarCorrection& correction = lidar.correction();
+  const ram_slam::LidarCorrection& deviation = lidar.deviation();
+  return {{"added_turn_time_s", withSigma(correction.turn_s, deviation.turn_s)},
+          {"added_range_m", withSigma(correction.range_m, deviation.range_m)},
+          {"meaning", toText(lidar)}};
+}
+
 }  // namespace
 
 ordered_json toJson(const ram_slam::DropCounter& drops) {
@@ -98,6 +110,7 @@ ordered_json RunReport::summary(const Run& run) const {
         {"estimator", toJson(run.estimator.drops())},
         {"smoothing", toJson(run.smoothing.drops())},
         {"mapping", toJson(run.mapping.drops())}}}};
+  if (run.uses_laser_odometry) summary["lidar"] = toJson(run.odometry.lidarCalibration());
   if (run.smooths && run.odometry.hasWheels()) summary["calibration"] = calibration(run);
   return summary;
 }
@@ -108,18 +121,16 @@ ordered_json RunReport::calibration(const Run& run) const {
     map_from_laser.push_back({key.stamp_ns, key.map_from_laser});
   const auto found = ram_slam::calibrateMount(wheels_, map_from_laser);
   if (!found) return nullptr;
-  const auto with = [](double value, double sigma) {
-    return ordered_json{{"value", value}, {"sigma", sigma}};
-  };
-  return {{"laser_x_m", with(found->base_from_laser.x_m, found->mount_sigma[0])},
-          {"laser_y_m", with(found->base_from_laser.y_m, found->mount_sigma[1])},
-          {"laser_yaw_rad", with(found->base_from_laser.yaw_rad, found->mount_sigma[2])},
-          {"odometry_distance_ratio", with(found->distance_ratio, found->distance_ratio_sigma)},
-          {"odometry_turn_ratio", with(found->turn_ratio, found->turn_ratio_sigma)},
-          {"scan_stamp_offset_s", found->stamp_offset_s},
-          {"scan_stamp_offset_used_s", 1e-9 * static_cast<double>(run.odometry.stampOffset_ns())},
-          {"motions", found->interval_count},
-          {"motions_with_slip", found->slip_count}};
+  return {
+      {"laser_x_m", withSigma(found->base_from_laser.x_m, found->mount_sigma[0])},
+      {"laser_y_m", withSigma(found->base_from_laser.y_m, found->mount_sigma[1])},
+      {"laser_yaw_rad", withSigma(found->base_from_laser.yaw_rad, found->mount_sigma[2])},
+      {"odometry_distance_ratio", withSigma(found->distance_ratio, found->distance_ratio_sigma)},
+      {"odometry_turn_ratio", withSigma(found->turn_ratio, found->turn_ratio_sigma)},
+      {"scan_stamp_offset_s", found->stamp_offset_s},
+      {"scan_stamp_offset_used_s", 1e-9 * static_cast<double>(run.odometry.stampOffset_ns())},
+      {"motions", found->interval_count},
+      {"motions_with_slip", found->slip_count}};
 }
 
 }  // namespace ramscout_bringup

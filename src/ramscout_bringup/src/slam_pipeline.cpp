@@ -107,7 +107,12 @@ void SlamPipeline::use(const ram_slam::StampedPose2& odometry) {
 }
 
 void SlamPipeline::use(ram_slam::MountedScan scan) {
-  if (smooths()) smoothing_.add(scan);
+  if (smooths()) {
+    // As the node does: by what is known when the scan comes.
+    ram_slam::MountedScan known = scan;
+    known.scan = corrected(std::move(known.scan), odometry_.lidarCalibration().correction());
+    smoothing_.add(std::move(known));
+  }
   odometry_.add(std::move(scan));
   drain();
 }

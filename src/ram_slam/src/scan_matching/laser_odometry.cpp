@@ -37,7 +37,8 @@ LaserOdometry::LaserOdometry(const LaserOdometryParameters& parameters)
                   parameters.slip.probability, parameters.slip.contradiction,
                   parameters.search_distance_m},
       wheel_bias_(parameters.wheel_bias),
-      wheel_scatter_(parameters.wheel_scatter) {
+      wheel_scatter_(parameters.wheel_scatter),
+      lidar_calibration_(parameters.lidar_calibration) {
   parameters_.validate();
 }
 
@@ -80,7 +81,14 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   if (estimate.jumped || !estimate.contradicts) {
     contradicting_count_ = 0;
     placed_ns_ = scan.stamp_ns;
-    keepIfKeyScan(std::move(surfaces), found);
+    KeyScan key{std::move(surfaces), found.map_from_laser, {}, lidar_calibration_.correction()};
+    const double interval_s = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
+    if (!estimate.jumped && interval_s <= parameters_.lidar_calibration.max_interval_s) {
+      const Pose2 motion = base_from_laser.inverse() * estimate.motion.pose * base_from_laser;
+      key.velocity = logarithm(motion) / interval_s;
+      if (found.inlier_ratio >= parameters_.key_scan_inlier_ratio) learnLidar(key);
+    }
+    keepIfKeyScan(std::move(key), found.inlier_ratio);
   }
   learnWheels(estimate, odom_from_base);
   estimate.wheels_stuck = areStuck(odom_from_base, estimate.odom_from_base.pose);
@@ -154,7 +162,9 @@ ScanMatch LaserOdometry::match(const SurfaceScan& surfaces,
                                const Pose2& base_from_laser,
                                Prediction& prediction,
                                LaserOdometryEstimate& estimate) const {
-  const std::vector<ReferenceScan> reference_scans = references();
+  std::vector<ReferenceScan> reference_scans;
+  for (const KeyScan* key : references())
+    reference_scans.push_back({&key->surfaces, key->odom_from_laser});
   const Pose2& before = last_.odom_from_base.pose;
   const Pose2 predicted = before * prediction.motion * base_from_laser;
   const Eigen::Vector2d lever =
@@ -239,9 +249,26 @@ void LaserOdometry::fuse(const ScanMatch& found,
   estimate.odom_from_base = last_.odom_from_base * estimate.motion;
 }
 
-void LaserOdometry::keepIfKeyScan(SurfaceScan surfaces, const ScanMatch& found) {
-  if (!key_scans_.empty() && !isKeyScan(found.map_from_laser, found.inlier_ratio)) return;
-  key_scans_.push_back({std::move(surfaces), found.map_from_laser});
+void LaserOdometry::learnLidar(const KeyScan& scan) {
+  if (key_scans_.empty()) return;
+  const bool is_key_scan = isKeyScan(scan.odom_from_laser, 1.0);
+  PairingLimits limits = parameters_.matcher.firstPairing();
+  limits.max_distance_m = parameters_.matcher.last_gate_m;
+  for (const KeyScan* key : references()) {
+    if (!key->velocity || !(key->correction == scan.correction)) continue;
+    const double difference_radps = std::abs(scan.velocity->z() - key->velocity->z());
+    if (!is_key_scan && difference_radps < parameters_.lidar_calibration.min_turn_rate_radps)
+      continue;
+    lidar_calibration_.add(
+        sumScanPair({key->surfaces, *key->velocity}, {scan.surfaces, *scan.velocity},
+                    key->odom_from_laser.inverse() * scan.odom_from_laser, limits));
+  }
+}
+
+void LaserOdometry::keepIfKeyScan(KeyScan scan, double inlier_ratio) {
+  if (!key_scans_.empty() && !isKeyScan(scan.odom_from_laser, inlier_ratio)) return;
+  lidar_calibration_.endBlock();
+  key_scans_.push_back(std::move(scan));
   if (key_scans_.size() > static_cast<std::size_t>(parameters_.key_scan_count))
     key_scans_.pop_front();
 }
@@ -284,18 +311,17 @@ bool LaserOdometry::areStuck(const std::optional<Pose2>& wheels, const Pose2& od
   return slip.stuck.isExceededBy(standing_->observed.inverse() * odom_from_base);
 }
 
-std::vector<ReferenceScan> LaserOdometry::references() const {
+std::vector<const LaserOdometry::KeyScan*> LaserOdometry::references() const {
   // The last, and others ever farther back: near enough to overlap, far enough apart to hold the
   // drift.
-  std::vector<ReferenceScan> chosen;
+  std::vector<const KeyScan*> chosen;
   std::size_t back = 1;
   for (int i = 0; i < parameters_.reference_count && back <= key_scans_.size(); ++i) {
     const KeyScan& key = key_scans_[key_scans_.size() - back];
     const Eigen::Vector2d away_m =
         key.odom_from_laser.translation() - key_scans_.back().odom_from_laser.translation();
     // Beyond a jump of the odometry: no overlap, and grids of that extent would fill the memory.
-    if (away_m.norm() <= parameters_.max_reference_distance_m)
-      chosen.push_back({&key.surfaces, key.odom_from_laser});
+    if (away_m.norm() <= parameters_.max_reference_distance_m) chosen.push_back(&key);
     back += static_cast<std::size_t>(i + 1);
   }
   return chosen;

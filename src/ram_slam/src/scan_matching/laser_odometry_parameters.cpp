@@ -136,6 +136,8 @@ const ParameterTable<LaserOdometryParameters>& LaserOdometryParameters::table() 
           .section("wheel_bias", &P::wheel_bias, WheelBiasParameters::table())
           .expert("Scatter of the wheels that is learned")
           .section("wheel_scatter", &P::wheel_scatter, WheelScatterParameters::table())
+          .expert("Learning the errors of the lidar")
+          .section("lidar_calibration", &P::lidar_calibration, LidarCalibrationParameters::table())
           .expert("Learning the offset of the stamps")
           .section("stamp_offset", &P::stamp_offset, StampOffsetParameters::table());
   return table;

@@ -117,25 +117,25 @@ struct Sums {
   }
 };
 
-}  // namespace
-
-PointToLineSum sumPointToLine(const SurfaceScan& target,
-                              const SurfaceScan& source,
-                              const Pose2& target_from_source,
-                              const PairingLimits& limits) {
+/// Calls `use(point, partner, residual, lever)` for each pair; `lever` is the derivative of the
+/// residual by the yaw.
+/// \return points of `source` on lines within the target's field of view
+template <typename Use>
+std::size_t forEachPair(const SurfaceScan& target,
+                        const SurfaceScan& source,
+                        const Pose2& target_from_source,
+                        const PairingLimits& limits,
+                        const Use& use) {
   const BeamFinder finder(target.angle_min_rad, target.angle_increment_rad,
                           target.point_of_beam.size());
   const Transform transform(target_from_source);
   const auto max_distance_m = static_cast<float>(limits.max_distance_m);
   const auto min_cosine = static_cast<float>(limits.min_normal_cosine);
-  const auto inverse_scale2 =
-      static_cast<float>(1.0 / (limits.robust_scale_m * limits.robust_scale_m));
   const auto beams_per_rad = static_cast<float>(1.0 / std::abs(target.angle_increment_rad));
   const float reach = max_distance_m * beams_per_rad;
   const auto max_search_beams = static_cast<float>(limits.max_search_beams);
 
-  PointToLineSum sum;
-  Sums sums;
+  std::size_t visible_count = 0;
   Block block;
   for (std::size_t next = 0; next < source.points.size();) {
     next = block.take(source, next, limits.point_stride);
@@ -143,7 +143,7 @@ PointToLineSum sumPointToLine(const SurfaceScan& target,
     for (std::size_t i = 0; i < block.count; ++i) {
       if (block.beam[i] < 0) continue;
       const SurfacePoint& point = block.source[i];
-      if (point.hasNormal()) ++sum.visible_count;
+      if (point.hasNormal()) ++visible_count;
       const SurfacePoint* partner = nearest(target, block, i, max_distance_m);
       if (partner == nullptr || !partner->hasNormal()) continue;
       const float nx = partner->normal_x;
@@ -153,16 +153,72 @@ PointToLineSum sumPointToLine(const SurfaceScan& target,
       if (point.hasNormal() && nx * normal_x + ny * normal_y < min_cosine) continue;
       const float residual =
           nx * (block.x_m[i] - partner->x_m) + ny * (block.y_m[i] - partner->y_m);
-      const float lever = ny * block.rotated_x[i] - nx * block.rotated_y[i];
-      sums.add(nx, ny, lever, residual, 1.0F / (1.0F + residual * residual * inverse_scale2));
-      if (point.hasNormal()) ++sum.pair_count;
+      use(point, *partner, residual, ny * block.rotated_x[i] - nx * block.rotated_y[i]);
     }
   }
+  return visible_count;
+}
+
+/// Where a point moves for each second of a turn of the mirror, and for each metre of offset, in
+/// the axes of its scan.
+Eigen::Matrix2d movedByLidar(const SweepingScan& scan, const SurfacePoint& point) {
+  const double increment_rad = scan.surfaces.angle_increment_rad;
+  const double full_turn = std::copysign(2.0 * M_PI, increment_rad);
+  const double from_first_rad = std::atan2(point.y_m, point.x_m) - scan.surfaces.angle_min_rad;
+  // Half a beam before the first one is still the first one.
+  const double turns = std::floor((from_first_rad + 0.5 * increment_rad) / full_turn);
+  const double swept_rad = from_first_rad - turns * full_turn;
+  Eigen::Matrix2d moved;
+  moved.col(0) =
+      swept_rad / (2.0 * M_PI) *
+      (scan.velocity.head<2>() + scan.velocity.z() * Eigen::Vector2d(-point.y_m, point.x_m));
+  moved.col(1) = Eigen::Vector2d(point.x_m, point.y_m).normalized();
+  return moved;
+}
+
+}  // namespace
+
+PointToLineSum sumPointToLine(const SurfaceScan& target,
+                              const SurfaceScan& source,
+                              const Pose2& target_from_source,
+                              const PairingLimits& limits) {
+  const auto inverse_scale2 =
+      static_cast<float>(1.0 / (limits.robust_scale_m * limits.robust_scale_m));
+  PointToLineSum sum;
+  Sums sums;
+  sum.visible_count = forEachPair(
+      target, source, target_from_source, limits,
+      [&](const SurfacePoint& point, const SurfacePoint& partner, float residual, float lever) {
+        sums.add(partner.normal_x, partner.normal_y, lever, residual,
+                 1.0F / (1.0F + residual * residual * inverse_scale2));
+        if (point.hasNormal()) ++sum.pair_count;
+      });
   sum.information << sums.xx, sums.xy, sums.xa, sums.xy, sums.yy, sums.ya, sums.xa, sums.ya,
       sums.aa;
   sum.gradient << sums.gx, sums.gy, sums.ga;
   sum.cost_m2 = sums.cost;
   sum.weight = sums.weight;
+  return sum;
+}
+
+ScanPairSum sumScanPair(const SweepingScan& target,
+                        const SweepingScan& source,
+                        const Pose2& target_from_source,
+                        const PairingLimits& limits) {
+  const Eigen::Matrix2d turn = target_from_source.axesRotation().topLeftCorner<2, 2>();
+  ScanPairSum sum;
+  forEachPair(
+      target.surfaces, source.surfaces, target_from_source, limits,
+      [&](const SurfacePoint& point, const SurfacePoint& partner, float residual, float lever) {
+        const Eigen::Vector2d normal(partner.normal_x, partner.normal_y);
+        const Eigen::Matrix2d moved =
+            turn * movedByLidar(source, point) - movedByLidar(target, partner);
+        Eigen::Matrix<double, 5, 1> row;
+        row << normal, lever, moved.transpose() * normal;
+        const double weight = 1.0 / (1.0 + std::pow(residual / limits.robust_scale_m, 2));
+        sum.information += weight * row * row.transpose();
+        sum.gradient += weight * residual * row;
+      });
   return sum;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/scan_matching/point_to_line.hpp"
 
+#include <Eigen/Cholesky>
 #include <gmock/gmock.h>
 
 #include "ram_slam/geometry/random.hpp"
@@ -58,17 +59,18 @@ INSTANTIATE_TEST_SUITE_P(Sweeps,
                                          Sweep{0.0, 2.0 * M_PI / 360.0, 360},
                                          Sweep{M_PI, -2.0 * M_PI / 720.0, 720}));
 
-/// The same sum by the definition: each point in view with the nearest of all, in double.
-PointToLineSum sumSlowly(const SurfaceScan& target,
-                         const SurfaceScan& source,
-                         const Pose2& target_from_source,
-                         const PairingLimits& limits) {
-  PointToLineSum sum;
+/// The pairs by their definition: each point in view with the nearest of all, in double.
+/// \param use  called with the point, its partner and target_from_source * point
+template <typename Use>
+void forEachPairSlowly(const SurfaceScan& target,
+                       const SurfaceScan& source,
+                       const Pose2& target_from_source,
+                       const PairingLimits& limits,
+                       const Use& use) {
   const Eigen::Matrix2d rotation = target_from_source.rotation();
   for (std::size_t i = 0; i < source.points.size(); i += limits.point_stride) {
     const SurfacePoint& point = source.points[i];
-    const Eigen::Vector2d rotated = rotation * Eigen::Vector2d(point.x_m, point.y_m);
-    const Eigen::Vector2d place = rotated + target_from_source.translation();
+    const Eigen::Vector2d place = target_from_source * Eigen::Vector2d(point.x_m, point.y_m);
     const double beam =
         (std::atan2(place.y(), place.x()) - target.angle_min_rad) / target.angle_increment_rad;
     if (beam < -0.5 || beam > static_cast<double>(target.point_of_beam.size()) - 0.5) continue;
@@ -83,17 +85,35 @@ PointToLineSum sumSlowly(const SurfaceScan& target,
     if (partner == nullptr || !partner->hasNormal()) continue;
     const Eigen::Vector2d normal(partner->normal_x, partner->normal_y);
     const double cosine = normal.dot(rotation * Eigen::Vector2d(point.normal_x, point.normal_y));
-    if (point.hasNormal() && cosine < limits.min_normal_cosine) continue;
-    const double residual_m = normal.dot(place - Eigen::Vector2d(partner->x_m, partner->y_m));
-    const double weight = 1.0 / (1.0 + std::pow(residual_m / limits.robust_scale_m, 2));
-    const Eigen::Vector3d slope(normal.x(), normal.y(),
-                                normal.y() * rotated.x() - normal.x() * rotated.y());
-    sum.information += weight * slope * slope.transpose();
-    sum.gradient += weight * slope * residual_m;
-    sum.cost_m2 += weight * residual_m * residual_m;
-    sum.weight += weight;
-    if (point.hasNormal()) ++sum.pair_count;
+    if (!point.hasNormal() || cosine >= limits.min_normal_cosine) use(point, *partner, place);
   }
+}
+
+double residual_m(const SurfacePoint& partner, const Eigen::Vector2d& place) {
+  return partner.normal_x * (place.x() - partner.x_m) +
+         partner.normal_y * (place.y() - partner.y_m);
+}
+
+PointToLineSum sumSlowly(const SurfaceScan& target,
+                         const SurfaceScan& source,
+                         const Pose2& target_from_source,
+                         const PairingLimits& limits) {
+  PointToLineSum sum;
+  forEachPairSlowly(
+      target, source, target_from_source, limits,
+      [&](const SurfacePoint& point, const SurfacePoint& partner, const Eigen::Vector2d& place) {
+        const double residual = residual_m(partner, place);
+        const double weight = 1.0 / (1.0 + std::pow(residual / limits.robust_scale_m, 2));
+        const Eigen::Vector2d rotated = place - target_from_source.translation();
+        const Eigen::Vector3d slope(
+            partner.normal_x, partner.normal_y,
+            partner.normal_y * rotated.x() - partner.normal_x * rotated.y());
+        sum.information += weight * slope * slope.transpose();
+        sum.gradient += weight * slope * residual;
+        sum.cost_m2 += weight * residual * residual;
+        sum.weight += weight;
+        if (point.hasNormal()) ++sum.pair_count;
+      });
   return sum;
 }
 
@@ -147,6 +167,113 @@ TEST(SumPointToLine, OfScansWithNothingInCommonIsZero) {
   EXPECT_GT(sum.visible_count, 0U);
   EXPECT_EQ(sum.information.norm(), 0.0);
   EXPECT_EQ(sumPointToLine(left, {}, {}, {}).visible_count, 0U);
+}
+
+/// A scan of a laser that moves at `velocity` while one turn of its mirror takes `turn_s`, as one
+/// takes it for that knows neither that time nor the offset of the readings.
+SurfaceScan scanOfMoving(const Pose2& map_from_laser,
+                         const Eigen::Vector3d& velocity,
+                         double turn_s,
+                         double range_offset_m) {
+  const Walls walls = rectangle(-4.0, -3.0, 6.0, 5.0) + rectangle(2.0, 1.0, 3.0, 2.0);
+  const Pose2 last_beam = exponential(0.5 * turn_s * velocity);  // half a turn
+  LaserScan scan = scanWalls(walls, map_from_laser, 1, {}, last_beam);
+  for (float& range_m : scan.ranges_m) range_m -= static_cast<float>(range_offset_m);
+  return extractSurfaces(scan, {});
+}
+
+/// What a pair of scans shows that were taken at different speeds: the time of a turn and the
+/// offset.
+Eigen::Vector2d shownByPair(double turn_s, double range_offset_m) {
+  const Eigen::Vector3d fast(0.3, 0.0, 0.8);
+  const Eigen::Vector3d slow(0.1, 0.0, -0.4);
+  const Pose2 target_from_source{0.8, 0.3, 0.15};
+  const SurfaceScan target = scanOfMoving({}, slow, turn_s, range_offset_m);
+  const SurfaceScan source = scanOfMoving(target_from_source, fast, turn_s, range_offset_m);
+  const ScanPairSum sum = sumScanPair({target, slow}, {source, fast}, target_from_source, {});
+  return -sum.information.ldlt().solve(sum.gradient).tail<2>();
+}
+
+TEST(SumScanPair, ShowsTheTimeOfTheSweep) {
+  EXPECT_NEAR(shownByPair(0.04, 0.0).x(), 0.04, 0.004);
+}
+
+TEST(SumScanPair, ShowsTheOffsetOfTheReadings) {
+  EXPECT_NEAR(shownByPair(0.0, 0.02).y(), 0.02, 0.004);
+}
+
+/// Where the lidar sees a point if one turn of its mirror takes `turn_s` longer and its readings
+/// are `range_m` longer; its beams begin at -pi / 2.
+SurfacePoint seenBy(const SurfacePoint& point,
+                    const Eigen::Vector3d& velocity,
+                    double turn_s,
+                    double range_m) {
+  const double later_s = turn_s * (std::atan2(point.y_m, point.x_m) + M_PI_2) / (2.0 * M_PI);
+  const Eigen::Vector2d place(point.x_m, point.y_m);
+  const Eigen::Vector2d seen =
+      exponential(later_s * velocity) * Eigen::Vector2d(place + range_m * place.normalized());
+  SurfacePoint moved = point;
+  moved.x_m = static_cast<float>(seen.x());
+  moved.y_m = static_cast<float>(seen.y());
+  return moved;
+}
+
+TEST(SumScanPair, IsTheSumOfWhatTheResidualsChangeBy) {
+  const Eigen::Vector3d fast(0.3, 0.1, 0.8);
+  const Eigen::Vector3d slow(0.1, 0.0, -0.4);
+  const Pose2 pose{0.4, 0.2, 0.15};
+  const SurfaceScan target = scanOfMoving({}, slow, 0.0, 0.0);
+  const SurfaceScan source = scanOfMoving(pose, fast, 0.0, 0.0);
+  PairingLimits limits;
+  limits.max_distance_m = 0.1;
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  forEachPairSlowly(
+      target, source, pose, limits,
+      [&](const SurfacePoint& point, const SurfacePoint& partner, const Eigen::Vector2d& place) {
+        const auto changed = [&](double turn_s, double range_m) {
+          const SurfacePoint p = seenBy(point, fast, turn_s, range_m);
+          const SurfacePoint q = seenBy(partner, slow, turn_s, range_m);
+          return residual_m(q, pose * Eigen::Vector2d(p.x_m, p.y_m)) - residual_m(partner, place);
+        };
+        const Eigen::Vector2d slope(changed(0.02, 0.0) / 0.02, changed(0.0, 0.02) / 0.02);
+        const double weight =
+            1.0 / (1.0 + std::pow(residual_m(partner, place) / limits.robust_scale_m, 2));
+        information += weight * slope * slope.transpose();
+      });
+  const ScanPairSum sum = sumScanPair({target, slow}, {source, fast}, pose, limits);
+  const Eigen::Matrix2d fast_sum = sum.information.bottomRightCorner<2, 2>();
+  EXPECT_LT((fast_sum - information).norm(), 0.03 * information.norm());
+}
+
+TEST(SumScanPair, IsThePointToLineSumInThePose) {
+  const SurfaceScan target = scanOfMoving({}, {0.0, 0.0, 0.0}, 0.0, 0.0);
+  const SurfaceScan source = scanOfMoving({0.3, 0.1, 0.15}, {0.0, 0.0, 0.0}, 0.0, 0.0);
+  const Pose2 guess{0.31, 0.1, 0.151};
+  const PointToLineSum expected = sumPointToLine(target, source, guess, {});
+  const ScanPairSum sum =
+      sumScanPair({target, {0.0, 0.0, 0.0}}, {source, {0.0, 0.0, 0.0}}, guess, {});
+  const Eigen::Matrix3d information = sum.information.topLeftCorner<3, 3>();
+  EXPECT_LT((information - expected.information).norm(), 1e-3 * expected.information.norm());
+  EXPECT_LT((sum.gradient.head<3>() - expected.gradient).norm(), 1e-3 * expected.gradient.norm());
+  EXPECT_EQ(sum.information.col(3).norm(), 0.0);  // at rest a sweep shows nothing
+}
+
+TEST(SumScanPair, OfAClockwiseMirrorIsThatOfANegativeTime) {
+  const Eigen::Vector3d velocity(0.0, 0.0, 0.5);
+  const auto scanned = [&](const Pose2& pose) {
+    return extractSurfaces(inSweepDirection(SweepDirection::kClockwise,
+                                            scanWalls(rectangle(-4.0, -3.0, 6.0, 5.0), pose, 1)),
+                           {});
+  };
+  const SurfaceScan clockwise = scanned({});
+  const SurfaceScan upright =
+      extractSurfaces(scanWalls(rectangle(-4.0, -3.0, 6.0, 5.0), {}, 1), {});
+  const auto byYawAndTime = [&](const SurfaceScan& scan) {
+    return sumScanPair({scan, -velocity}, {scan, velocity}, {}, {}).information(2, 3);
+  };
+  // Clockwise the first beam is at the left: from there all angles are negative.
+  EXPECT_LT(byYawAndTime(clockwise), 0.0);
+  EXPECT_GT(byYawAndTime(upright), 0.0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "ram_slam/calibration/lidar_calibration.hpp"
 #include "ram_slam/calibration/wheel_bias.hpp"
 #include "ram_slam/calibration/wheel_scatter.hpp"
 #include "ram_slam/geometry/pose2.hpp"
@@ -61,6 +62,9 @@ public:
                                const Pose2& base_from_laser,
                                const std::optional<Pose2>& odom_from_base);
 
+  /// What was learned about the lidar: the next scan is to be corrected by it.
+  const LidarCalibration& lidarCalibration() const { return lidar_calibration_; }
+
   /// The wheels' pose at the last scan, if it is another than the one that came with it: the next
   /// motion of the wheels begins there.
   void replaceWheels(const std::optional<Pose2>& odom_from_base);
@@ -69,6 +73,8 @@ private:
   struct KeyScan {
     SurfaceScan surfaces;
     Pose2 odom_from_laser;
+    std::optional<Eigen::Vector3d> velocity = {};  ///< of the laser [m/s, m/s, rad/s], in its axes
+    LidarCorrection correction = {};               ///< that was known then
   };
   /// Where a motion began that both wheels and scans measure.
   struct Interval {
@@ -101,14 +107,17 @@ private:
             const Pose2& base_from_laser,
             const Prediction& prediction,
             LaserOdometryEstimate& estimate) const;
-  void keepIfKeyScan(SurfaceScan surfaces, const ScanMatch& found);
+  /// Teaches the errors of the lidar by the scan and the key scans that it was aligned with.
+  void learnLidar(const KeyScan& scan);
+  void keepIfKeyScan(KeyScan scan, double inlier_ratio);
   /// Teaches bias and scatter of the wheels, once the robot has moved far enough since the last
   /// time.
   void learnWheels(const LaserOdometryEstimate& estimate, const std::optional<Pose2>& wheels);
   /// Of the readings of the wheels: true while they repeat one that they reached in motion.
   bool repeatsReading(const Pose2& odom_from_base) const;
   bool areStuck(const std::optional<Pose2>& wheels, const Pose2& odom_from_base);
-  std::vector<ReferenceScan> references() const;
+  /// The key scans that a scan is aligned with, the newest first.
+  std::vector<const KeyScan*> references() const;
   bool isKeyScan(const Pose2& odom_from_laser, double inlier_ratio) const;
 
   LaserOdometryParameters parameters_;
@@ -117,6 +126,7 @@ private:
   std::optional<Pose2> last_wheels_;
   WheelBias wheel_bias_;
   WheelScatter wheel_scatter_;
+  LidarCalibration lidar_calibration_;
   std::optional<Interval> interval_;  ///< the current one
   std::optional<Interval> standing_;  ///< since the wheels stand still
   LaserOdometryEstimate last_;

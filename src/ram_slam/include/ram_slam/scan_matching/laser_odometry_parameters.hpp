@@ -4,6 +4,7 @@
 #include <string>
 
 #include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/calibration/lidar_calibration.hpp"
 #include "ram_slam/calibration/stamp_offset.hpp"
 #include "ram_slam/calibration/wheel_bias.hpp"
 #include "ram_slam/calibration/wheel_scatter.hpp"
@@ -81,6 +82,7 @@ struct LaserOdometryParameters {
   ConstantSpeedParameters constant_speed;
   WheelBiasParameters wheel_bias;
   WheelScatterParameters wheel_scatter;
+  LidarCalibrationParameters lidar_calibration;
   StampOffsetParameters stamp_offset;
 
   static const ram_parameters::ParameterTable<LaserOdometryParameters>& table();

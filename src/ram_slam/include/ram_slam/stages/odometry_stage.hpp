@@ -16,7 +16,7 @@ namespace ram_slam {
 
 /// A scan and the odometry that was refined by it, or the wheels' pose as it is.
 struct OdometryStep {
-  MountedScan scan;
+  MountedScan scan;  ///< corrected by what was learned of the lidar
   LaserOdometryEstimate estimate;
   /// Where the wheels lead from the scan before to this one, if it came long after that.
   Trajectory between = {};
@@ -40,6 +40,10 @@ public:
   std::optional<OdometryStep> next();
 
   bool hasWheels() const { return scans_.hasOdometry(); }
+  /// Of the last scan; 0 before the first.
+  std::int64_t lastStamp_ns() const { return last_.stamp_ns; }
+  /// Learned so far about the lidar.
+  const LidarCalibration& lidarCalibration() const { return odometry_.lidarCalibration(); }
   /// Learned so far: how much later than a scan's stamp its wheels are taken.
   std::int64_t stampOffset_ns() const { return stamp_offset_.offset_ns(); }
   /// Scans that waited for the wheels and were aligned without them.

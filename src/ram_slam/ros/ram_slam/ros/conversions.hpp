@@ -8,10 +8,12 @@
 #include <geometry_msgs/Transform.h>
 #include <nav_msgs/Odometry.h>
 #include <ram_slam_msgs/FeatureList.h>
+#include <ram_slam_msgs/LidarCalibration.h>
 #include <ram_slam_msgs/Tracking.h>
 #include <ros/time.h>
 #include <sensor_msgs/LaserScan.h>
 
+#include "ram_slam/calibration/lidar_calibration.hpp"
 #include "ram_slam/estimation/estimator.hpp"
 #include "ram_slam/geometry/pose2.hpp"
 #include "ram_slam/landmarks/feature.hpp"
@@ -65,6 +67,10 @@ std::size_t countAtLimit(const sensor_msgs::LaserScan& message);
 ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message);
 /// The same scan as it is, without a frame.
 sensor_msgs::LaserScan toScanMessage(const ram_slam::LaserScan& scan);
+
+/// \throws std::invalid_argument if a value is not finite or no lidar can be so far off: 1 s, 1 m
+ram_slam::LidarCorrection toLidarCorrection(const ram_slam_msgs::LidarCalibration& message);
+ram_slam_msgs::LidarCalibration toLidarMessage(const ram_slam::LidarCalibration& calibration);
 
 /// A feature's position covariance must be finite, symmetric and positive definite, the variance of
 /// its orientation positive.
