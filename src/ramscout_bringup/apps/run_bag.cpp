@@ -81,11 +81,13 @@ ramscout_bringup::Results map(ramscout_bringup::Recording& recording, const Opti
   parameters.use_map_smoother = !options.no_smoothing;
   ramscout_bringup::SlamPipeline pipeline(parameters);
   feed(recording, pipeline);
-  ramscout_bringup::Results results = pipeline.finish();
   std::vector<std::string> notes = recording.notes();
-  if (!options.wheels_only)
-    notes.push_back("lidar: " + results.summary["lidar"]["meaning"].get<std::string>());
   for (const std::string& note : notes) std::cout << note << "\n";
+  ramscout_bringup::Results results = pipeline.finish();
+  if (!options.wheels_only) {
+    notes.push_back("lidar: " + results.summary["lidar"]["meaning"].get<std::string>());
+    std::cout << notes.back() << "\n";
+  }
   results.summary["notes"] = notes;
   return results;
 }

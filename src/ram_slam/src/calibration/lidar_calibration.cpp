@@ -40,7 +40,8 @@ LidarCalibrationParameters::table() {
                "Greatest correction of the time that the mirror takes for one turn; 0: none is "
                "learned.")
           .add("max_range_m", &P::max_range_m, "m", within(0.0, 0.5),
-               "Greatest correction of the readings; 0: none is learned.")
+               "Greatest correction of the readings; 0: none is learned. Where scans are bent by "
+               "something else false ones can appear.")
           .add("min_turn_s", &P::min_turn_s, "s", atLeast(0.0),
                "Smaller corrections of the turn are not used: no mirror is as fast.")
           .add("min_range_m", &P::min_range_m, "m", atLeast(0.0), "The same of the readings.")
@@ -83,16 +84,15 @@ void LidarCalibration::endBlock() {
   if (blocks_.size() > static_cast<std::size_t>(parameters_.max_blocks)) blocks_.pop_front();
   if (blocks_.size() < static_cast<std::size_t>(parameters_.min_blocks)) return;
 
-  const Solution both = solve(Eigen::Vector2d::Ones());
-  const bool has_turn = isSignificant(both, 0);
-  const bool has_range = isSignificant(both, 1);
-  if (has_turn && has_range) return use(both);
-  for (const Eigen::Index which : {0, 1}) {
-    if (!(which == 0 ? has_turn : has_range)) continue;
-    const Solution alone = solve(Eigen::Vector2d::Unit(which));
-    if (isSignificant(alone, which)) return use(alone);
+  Eigen::Vector2d used = (most_ > 0.0).cast<double>().matrix();
+  Solution solution = solve(used);
+  // Without the one that is not significant the other has other values.
+  for (const Eigen::Index which : {1, 0, 1}) {
+    if (used(which) == 0.0 || isSignificant(solution, which)) continue;
+    used(which) = 0.0;
+    solution = solve(used);
   }
-  use(solve(Eigen::Vector2d::Zero()));
+  use(solution);
 }
 
 LidarCalibration::Solution LidarCalibration::solve(const Eigen::Vector2d& used) const {

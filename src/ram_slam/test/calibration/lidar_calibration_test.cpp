@@ -32,7 +32,9 @@ ScanPairSum pairOf(const LidarCorrection& truth,
 }
 
 LidarCalibration learnedFrom(const LidarCorrection& truth, int blocks, double noise) {
-  LidarCalibration calibration;
+  LidarCalibrationParameters parameters;
+  parameters.max_range_m = 0.05;
+  LidarCalibration calibration(parameters);
   Random random(5);
   for (int i = 0; i < blocks; ++i) {
     for (int k = 0; k < 3; ++k)
@@ -73,6 +75,17 @@ TEST(LidarCalibration, UsesOneOfTwoIfOnlyThatIsSignificant) {
   EXPECT_NEAR(found.correction().turn_s, 0.04, 0.002);
   EXPECT_EQ(found.correction().range_m, 0.0);
   EXPECT_EQ(found.deviation().range_m, 0.0);
+}
+
+TEST(LidarCalibration, LearnsNoOffsetUnlessAskedTo) {
+  LidarCalibration calibration;
+  Random random(5);
+  for (int i = 0; i < 50; ++i) {
+    calibration.add(pairOf({0.04, 0.02}, calibration.correction(), 0.01, random));
+    calibration.endBlock();
+  }
+  EXPECT_EQ(calibration.correction().range_m, 0.0);
+  EXPECT_NEAR(calibration.correction().turn_s, 0.04, 0.002);
 }
 
 TEST(LidarCalibration, RefusesWhatNoLidarDoes) {

@@ -28,10 +28,10 @@ LaserScan corrected(LaserScan scan, const LidarCorrection& correction);
 
 /// Settings of LidarCalibration.
 struct LidarCalibrationParameters {
-  double max_turn_s = 0.2;           ///< greatest correction to either side; 0: none is learned
-  double max_range_m = 0.05;         ///< the same
-  double min_turn_s = 0.005;         ///< smaller corrections are not used: no mirror is as fast
-  double min_range_m = 0.003;        ///< smaller corrections are not used
+  double max_turn_s = 0.2;     ///< greatest correction to either side; 0: none is learned
+  double max_range_m = 0.0;    ///< the same; where scans are bent otherwise, false offsets appear
+  double min_turn_s = 0.005;   ///< smaller corrections are not used: no mirror is as fast
+  double min_range_m = 0.003;  ///< smaller corrections are not used
   double min_turn_rate_radps = 0.1;  ///< by which the turn rates of two compared scans differ
   double max_interval_s = 0.3;       ///< to the scan before; over longer ones no speed is known
   int min_blocks = 24;               ///< of scans that are compared with the same key scans
