@@ -86,7 +86,8 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
     if (!estimate.jumped && interval_s <= parameters_.lidar_calibration.max_interval_s) {
       const Pose2 motion = base_from_laser.inverse() * estimate.motion.pose * base_from_laser;
       key.velocity = logarithm(motion) / interval_s;
-      if (found.inlier_ratio >= parameters_.key_scan_inlier_ratio) learnLidar(key);
+      // Without wheels the scans would be corrected by the motion that they show themselves.
+      if (has_wheels && found.inlier_ratio >= parameters_.key_scan_inlier_ratio) learnLidar(key);
     }
     keepIfKeyScan(std::move(key), found.inlier_ratio);
   }

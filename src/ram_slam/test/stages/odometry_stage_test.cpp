@@ -141,8 +141,9 @@ TEST(OdometryStage, ALearnedStampOffsetIsNoMotion) {
 
 /// What is learned of a lidar whose driver states no times, on a robot that swings to and fro.
 /// \param turn_s  of the mirror, counterclockwise
-LidarCorrection learnedOfLidar(double turn_s, double range_offset_m) {
+LidarCorrection learnedOfLidar(double turn_s, double range_offset_m, bool has_wheels = true) {
   LaserOdometryParameters parameters;
+  parameters.use_wheels = has_wheels;
   parameters.lidar_calibration.max_range_m = 0.05;
   OdometryStage stage{parameters};
   const Walls room = rectangle(-2.0, -3.0, 4.0, 2.0) + rectangle(1.0, 0.5, 1.5, 1.0);
@@ -162,7 +163,7 @@ LidarCorrection learnedOfLidar(double turn_s, double range_offset_m) {
                                poseAt(first_s).inverse() * poseAt(last_s));
     for (float& range_m : scan.ranges_m) range_m -= static_cast<float>(range_offset_m);
     stage.add({scan, {}});
-    stage.addWheels({Swing::toNs(time_s), poseAt(time_s)});
+    if (has_wheels) stage.addWheels({Swing::toNs(time_s), poseAt(time_s)});
     while (stage.next()) {
     }
   }
@@ -177,6 +178,10 @@ TEST(OdometryStage, LearnsHowLongTheMirrorTurnsAndWhatTheReadingsLack) {
 
 TEST(OdometryStage, LearnsThatAMirrorTurnsClockwise) {
   EXPECT_NEAR(learnedOfLidar(-0.04, 0.0).turn_s, -0.04, 0.006);
+}
+
+TEST(OdometryStage, LearnsNothingOfALidarWithoutWheels) {
+  EXPECT_EQ(learnedOfLidar(0.04, 0.0, false), LidarCorrection{});
 }
 
 TEST(OdometryStage, LearnsNothingOfALidarThatIsAsStated) {
