@@ -169,8 +169,8 @@ void OdometryBuffer::measureFrom(std::size_t first) {
 }
 
 void OdometryBuffer::forgetOld() {
-  const std::int64_t limit_ns = acceptedBefore(entries_.back().sample.stamp_ns)->history_ns -
-                                toNanoseconds(parameters_.buffer_duration_s);
+  const std::int64_t limit_ns =
+      newestAccepted()->history_ns - toNanoseconds(parameters_.buffer_duration_s);
   for (auto next = nextAccepted(entries_.begin());
        next != entries_.end() && next->history_ns <= limit_ns;
        next = nextAccepted(entries_.begin())) {
@@ -180,7 +180,11 @@ void OdometryBuffer::forgetOld() {
 }
 
 std::int64_t OdometryBuffer::newestNs() const {
-  return empty() ? 0 : acceptedBefore(entries_.back().sample.stamp_ns)->sample.stamp_ns;
+  return empty() ? 0 : newestAccepted()->sample.stamp_ns;
+}
+
+OdometryBuffer::Iterator OdometryBuffer::newestAccepted() const {
+  return acceptedBefore(entries_.back().sample.stamp_ns);
 }
 
 OdometryBuffer::Iterator OdometryBuffer::nextAccepted(Iterator entry) const {

@@ -45,8 +45,10 @@ LidarCalibrationParameters::table() {
           .add("min_turn_s", &P::min_turn_s, "s", atLeast(0.0),
                "Smaller corrections of the turn are not used: no mirror is as fast.")
           .add("min_range_m", &P::min_range_m, "m", atLeast(0.0), "The same of the readings.")
-          .add("min_turn_rate_radps", &P::min_turn_rate_radps, "rad/s", positive(),
-               "Two scans between key scans are compared if their turn rates differ by this.")
+          .add(
+              "min_turn_rate_radps", &P::min_turn_rate_radps, "rad/s", positive(),
+              "A scan that is no key scan is compared with key scans only if its turn rate differs "
+              "from theirs by this.")
           .add("max_interval_s", &P::max_interval_s, "s", positive(),
                "Longest time between two scans over which the speed is known.")
           .add("min_blocks", &P::min_blocks, "", atLeast(3),

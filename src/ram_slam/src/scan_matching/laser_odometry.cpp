@@ -74,6 +74,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
     found.map_from_laser = last_.odom_from_base.pose * prediction.motion * base_from_laser;
     found.information.setZero();
   }
+  const double interval_s = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
   contradicting_count_ = estimate.contradicts ? contradicting_count_ + 1 : 0;
   estimate.jumped |= contradicting_count_ >= parameters_.slip.contradicting_scans;
   fuse(found, base_from_laser, prediction, estimate);
@@ -82,7 +83,6 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
     contradicting_count_ = 0;
     placed_ns_ = scan.stamp_ns;
     KeyScan key{std::move(surfaces), found.map_from_laser, {}, lidar_calibration_.correction()};
-    const double interval_s = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
     if (!estimate.jumped && interval_s <= parameters_.lidar_calibration.max_interval_s) {
       const Pose2 motion = base_from_laser.inverse() * estimate.motion.pose * base_from_laser;
       key.velocity = logarithm(motion) / interval_s;
@@ -93,7 +93,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   }
   learnWheels(estimate, odom_from_base);
   estimate.wheels_stuck = areStuck(odom_from_base, estimate.odom_from_base.pose);
-  last_interval_s_ = 1e-9 * static_cast<double>(scan.stamp_ns - last_.stamp_ns);
+  last_interval_s_ = interval_s;
   last_wheels_ = odom_from_base;
   last_ = estimate;
   return estimate;

@@ -205,7 +205,7 @@ ScanPairSum sumScanPair(const SweepingScan& target,
                         const SweepingScan& source,
                         const Pose2& target_from_source,
                         const PairingLimits& limits) {
-  const Eigen::Matrix2d turn = target_from_source.axesRotation().topLeftCorner<2, 2>();
+  const Eigen::Matrix2d turn = target_from_source.rotation();
   ScanPairSum sum;
   forEachPair(
       target.surfaces, source.surfaces, target_from_source, limits,

@@ -139,6 +139,7 @@ private:
   Iterator nextAccepted(Iterator entry) const;
   /// The newest accepted entry not after the stamp; the first entry is always accepted.
   Iterator acceptedBefore(std::int64_t stamp_ns) const;
+  Iterator newestAccepted() const;
   MotionSegment between(const Entry& before,
                         const Entry& after,
                         std::int64_t from_ns,

@@ -32,7 +32,7 @@ struct LidarCalibrationParameters {
   double max_range_m = 0.0;    ///< the same; where scans are bent otherwise, false offsets appear
   double min_turn_s = 0.005;   ///< smaller corrections are not used: no mirror is as fast
   double min_range_m = 0.003;  ///< smaller corrections are not used
-  double min_turn_rate_radps = 0.1;  ///< by which the turn rates of two compared scans differ
+  double min_turn_rate_radps = 0.1;  ///< to key scans, of a scan that is none
   double max_interval_s = 0.3;       ///< to the scan before; over longer ones no speed is known
   int min_blocks = 24;               ///< of scans that are compared with the same key scans
   int max_blocks = 200;              ///< the newest, which count
