@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """check_structure.py: who may include whom, how long files and functions may be, and which tests there must be.
 
-Cores know no ROS; the simulator knows no SLAM code; a lower folder of ram_slam does not include a higher one. Every source of
+Cores know no ROS and print nothing; the simulator knows no SLAM code; a lower folder of ram_slam does not include a higher one. Every source of
 a core has a test file of its name, or a comment in the package's CMakeLists.txt names it.
 """
 import math
@@ -18,6 +18,7 @@ LEAST_TEST_SHARE = 0.7  # lines of tests for each line of sources
 MOST_CONSTANTS = 150  # in sources; what tunes behaviour is a parameter
 CONSTANT = re.compile(r"^\s*(?:static |inline )*(?:constexpr|const) [\w:<>, ]+ k[A-Z]\w*(?:\[\w*\])? ?[={]", re.M)
 ROS = re.compile(r'#include [<"](ros/|rosbag/|tf2|pluginlib/|\w+_msgs/|std_srvs/)')
+PRINT = re.compile(r"\bf?printf\(|std::(cout|cerr|clog)\b")
 SLAM = re.compile(r"\b(ram_slam|ramscout_kinematics|ramscout_feature_detector)(/|::|</)")
 # Floors of ram_slam, lowest first: a folder may include its own and lower floors.
 FLOORS = [["geometry"], ["landmarks", "sensing", "motion", "io"], ["scan_matching", "calibration", "pose_graph", "occupancy"],
@@ -36,6 +37,8 @@ def boundary_findings(name):
     if re.match(r"src/\w+/(include|src)/", name):
         for number, line, _ in lines_matching(name, ROS):
             yield "%s:%d: a core includes ROS: %s" % (name, number, line)
+        for number, line, _ in lines_matching(name, PRINT):
+            yield "%s:%d: a core prints: %s" % (name, number, line)
     if name.startswith("src/ramscout_sim/"):
         for number, line, _ in lines_matching(name, SLAM):
             yield "%s:%d: the simulator uses SLAM code: %s" % (name, number, line)

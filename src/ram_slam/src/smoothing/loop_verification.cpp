@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
-#include <cstdlib>
 
 #include <Eigen/Eigenvalues>
 
@@ -228,33 +226,11 @@ public:
                                     parameters_.dense.levels);
     const auto found = searchPose(pyramid, points, query_.map_from_laser_guess, query_.window,
                                   parameters_.min_score);
-    auto dbg = [&](const char* why, double a, double b) {
-      if (getenv("DBL"))
-        fprintf(stderr,
-                "LOOP %zu %zu win %.2f %.2f %s %.3f %.3f pts %zu scale %.2f pose %.2f %.2f %.3f\n",
-                query_.candidate, query_.newest, query_.window.distance_m, query_.window.angle_rad,
-                why, a, b, points.size(), scale_, found ? found->map_from_laser.x_m : 0,
-                found ? found->map_from_laser.y_m : 0, found ? found->map_from_laser.yaw_rad : 0);
-    };
-    if (!found) {
-      dbg("notfound", 0, 0);
-      return std::nullopt;
-    }
+    if (!found) return std::nullopt;
     const ScanMatch there = align(newKey(), old_, found->map_from_laser);
-    if (there.inlier_ratio < parameters_.min_inlier_ratio) {
-      dbg("inlier", found->score, there.inlier_ratio);
-      return std::nullopt;
-    }
+    if (there.inlier_ratio < parameters_.min_inlier_ratio) return std::nullopt;
     const Pose2 old_from_new = oldKey().map_from_laser.inverse() * there.map_from_laser;
-    if (isInFreeSpace(old_from_new)) {
-      dbg("free", found->score, there.inlier_ratio);
-      return std::nullopt;
-    }
-    if (!returns(old_from_new)) {
-      dbg("return", found->score, there.inlier_ratio);
-      return std::nullopt;
-    }
-    dbg("ok", found->score, there.inlier_ratio);
+    if (isInFreeSpace(old_from_new) || !returns(old_from_new)) return std::nullopt;
     LoopMatch match = describe(there, old_from_new, isAmbiguousAt(pyramid, there));
     match.score = found->score;
     return match;
