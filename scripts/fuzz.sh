@@ -16,9 +16,9 @@ status=0
 for target in "${targets[@]}"; do
   mkdir -p "results/fuzz/corpus/$target"
   log=results/fuzz/$target.log
-  # rosbag asks for as much memory as a header states, up to 4 GB, and does not use it. Assimp keeps some memory of each mesh that it refuses.
+  # Assimp keeps some memory of each mesh that it refuses.
   FUZZ_TARGET=$target ASAN_OPTIONS=detect_leaks=0 "$fuzzer" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=2048 \
-    -malloc_limit_mb=8192 -max_len=8192 -print_final_stats=1 -artifact_prefix="results/fuzz/findings/$target." \
+    -max_len=8192 -print_final_stats=1 -artifact_prefix="results/fuzz/findings/$target." \
     "results/fuzz/corpus/$target" "results/fuzz/seeds/$target" >"$log" 2>&1 || { status=1; echo "$target: a finding, see $log"; }
   echo "$target: $(grep -oP 'stat::number_of_executed_units: *\K\d+' "$log" || echo no) executions"
 done

@@ -1,56 +1,53 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <map>
 #include <stdexcept>
 #include <utility>
 
-#include <ram_slam/ros/conversions.hpp>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
+#include "ramscout_bringup/bag_file.hpp"
 
 #include "message_decoder.hpp"
 
 namespace ramscout_bringup_ros {
 namespace {
 
+using ramscout_bringup::BagConnection;
+using ramscout_bringup::BagEntry;
 using ramscout_bringup::RecordedTopic;
 
 class BagSource : public MessageSource {
 public:
-  explicit BagSource(const std::string& path) : path_(path) {
-    try {
-      bag_.open(path, rosbag::bagmode::Read);
-    } catch (const rosbag::BagUnindexedException&) {
-      throw std::runtime_error("the bag " + path +
-                               " was not closed and has no index: run `rosbag reindex " + path +
-                               "`, then try again");
-    } catch (const rosbag::BagException& error) {
-      throw std::runtime_error("cannot read the bag " + path + " (" + error.what() +
-                               "); if the recording was cut off, run `rosbag reindex " + path +
-                               "`, then try again");
-    }
-    rosbag::View all(bag_);
+  explicit BagSource(const std::string& path) : path_(path), bag_(path) {
     std::map<std::string, RecordedTopic> topics;
-    for (const rosbag::ConnectionInfo* connection : all.getConnections())
-      topics[connection->topic] = {connection->topic, ros1TypeName(connection->datatype), 0};
-    for (const rosbag::MessageInstance& message : all) ++topics[message.getTopic()].message_count;
+    for (const auto& [number, connection] : bag_.connections())
+      topics[connection.topic] = {connection.topic, ros1TypeName(connection.type), 0};
+    for (const BagEntry& entry : bag_.entries()) ++topics[connectionOf(entry).topic].message_count;
     for (auto& [name, topic] : topics) topics_.push_back(std::move(topic));
   }
 
   const std::vector<RecordedTopic>& topics() const override { return topics_; }
 
   void restart(const std::vector<std::string>& topics) override {
-    view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(topics));
-    message_ = view_->begin();
+    wanted_.clear();
+    for (const auto& [number, connection] : bag_.connections()) {
+      if (std::count(topics.begin(), topics.end(), connection.topic) > 0)
+        wanted_[number] = typeOf(connection);
+    }
+    next_ = 0;
     damaged_count_ = 0;
   }
 
   std::optional<RecordedMessage> next() override {
-    for (; message_ != view_->end(); ++message_) {
+    while (next_ < bag_.entries().size()) {
+      const BagEntry& entry = bag_.entries()[next_++];
+      const auto type = wanted_.find(entry.connection);
+      if (type == wanted_.end() || type->second.empty()) continue;
       try {
-        auto message = convert(*message_);
-        if (!message) continue;
-        ++message_;
-        return message;
+        const std::string_view bytes = bag_.message(entry);
+        return RecordedMessage{
+            connectionOf(entry).topic, entry.time_ns,
+            decode(type->second, "ros1", reinterpret_cast<const std::uint8_t*>(bytes.data()),
+                   bytes.size())};
       } catch (const std::exception& error) {
         ++damaged_count_;
         damage_ = error.what();
@@ -60,38 +57,38 @@ public:
   }
 
   std::vector<std::string> notes() const override {
-    if (damaged_count_ == 0) return {};
-    return {"left out " + std::to_string(damaged_count_) + " messages: the bag " + path_ +
-            " is damaged (" + damage_ + ")"};
+    std::vector<std::string> notes;
+    if (damaged_count_ > 0)
+      notes.push_back("left out " + std::to_string(damaged_count_) + " messages: the bag " + path_ +
+                      " is damaged (" + damage_ + ")");
+    if (!bag_.damage().empty()) notes.push_back(bag_.damage());
+    return notes;
   }
 
 private:
-  /// The type, if it is one that is read.
-  static std::string typeOf(const rosbag::MessageInstance& message) {
+  const BagConnection& connectionOf(const BagEntry& entry) const {
+    return bag_.connections().at(entry.connection);
+  }
+
+  /// The type, if it is one that is read and of this definition.
+  static std::string typeOf(const BagConnection& connection) {
     using namespace ros::message_traits;
-    if (message.isType<sensor_msgs::LaserScan>()) return datatype<sensor_msgs::LaserScan>();
-    if (message.isType<nav_msgs::Odometry>()) return datatype<nav_msgs::Odometry>();
-    if (message.isType<tf2_msgs::TFMessage>()) return datatype<tf2_msgs::TFMessage>();
-    if (message.isType<sensor_msgs::MultiEchoLaserScan>())
+    const auto is = [&connection](const char* sum) {
+      return connection.md5sum == sum || connection.md5sum == "*";
+    };
+    if (is(md5sum<sensor_msgs::LaserScan>())) return datatype<sensor_msgs::LaserScan>();
+    if (is(md5sum<nav_msgs::Odometry>())) return datatype<nav_msgs::Odometry>();
+    if (is(md5sum<tf2_msgs::TFMessage>())) return datatype<tf2_msgs::TFMessage>();
+    if (is(md5sum<sensor_msgs::MultiEchoLaserScan>()))
       return datatype<sensor_msgs::MultiEchoLaserScan>();
     return "";
   }
 
-  static std::optional<RecordedMessage> convert(const rosbag::MessageInstance& message) {
-    const std::string type = typeOf(message);
-    if (type.empty()) return std::nullopt;
-    std::vector<std::uint8_t> bytes(message.size());
-    ros::serialization::OStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-    message.write(stream);
-    return RecordedMessage{message.getTopic(), ram_slam_ros::toNanoseconds(message.getTime()),
-                           decode(type, "ros1", bytes.data(), bytes.size())};
-  }
-
   std::string path_;
-  rosbag::Bag bag_;
+  ramscout_bringup::BagFile bag_;
   std::vector<RecordedTopic> topics_;
-  std::unique_ptr<rosbag::View> view_;
-  rosbag::View::iterator message_;
+  std::map<std::uint32_t, std::string> wanted_;  ///< type of the messages, by connection
+  std::size_t next_ = 0;                         ///< index of an entry
   std::size_t damaged_count_ = 0;
   std::string damage_;  ///< of the newest one
 };

@@ -12,8 +12,8 @@
 #include <stdexcept>
 
 #include <boost/crc.hpp>
-#include <lz4frame.h>
-#include <zstd.h>
+
+#include "ramscout_bringup/compression.hpp"
 
 #include "message_decoder.hpp"
 
@@ -22,8 +22,6 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Writers make chunks of a few megabytes; a larger one is damaged or meant to fill the memory.
-constexpr std::uint64_t kMaxChunk = 256U << 20U;
 constexpr std::size_t kMagicSize = 8;
 
 enum Opcode : std::uint8_t { kSchema = 3, kChannel = 4, kMessage = 5, kChunk = 6, kDataEnd = 15 };
@@ -57,43 +55,6 @@ private:
   std::size_t left_;
 };
 
-Bytes uncompressedLz4(const std::uint8_t* begin, std::size_t size, std::size_t uncompressed_size) {
-  LZ4F_dctx* context = nullptr;
-  if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0)
-    throw std::runtime_error("no memory to decompress");
-  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> owner(
-      context, LZ4F_freeDecompressionContext);
-  Bytes result(uncompressed_size);
-  std::size_t written = 0;
-  while (size > 0) {
-    std::size_t room = uncompressed_size - written;
-    std::size_t used = size;
-    const std::size_t state =
-        LZ4F_decompress(context, result.data() + written, &room, begin, &used, nullptr);
-    if (LZ4F_isError(state) != 0 || (room == 0 && used == 0))
-      throw std::runtime_error("a chunk cannot be decompressed");
-    written += room;
-    begin += used;
-    size -= used;
-    if (state == 0) break;
-  }
-  if (written != uncompressed_size) throw std::runtime_error("a chunk cannot be decompressed");
-  return result;
-}
-
-Bytes uncompressed(const std::string& compression,
-                   const std::uint8_t* begin,
-                   std::size_t size,
-                   std::size_t uncompressed_size) {
-  if (compression.empty()) return {begin, begin + size};
-  if (compression == "lz4") return uncompressedLz4(begin, size, uncompressed_size);
-  if (compression != "zstd") throw std::runtime_error("compression '" + compression + "'");
-  Bytes result(uncompressed_size);
-  if (ZSTD_decompress(result.data(), result.size(), begin, size) != uncompressed_size)
-    throw std::runtime_error("a chunk cannot be decompressed");
-  return result;
-}
-
 Bytes chunkRecords(Reader chunk) {
   chunk.take(16);  // times of the first and the last message
   const auto size = chunk.number<std::uint64_t>();
@@ -101,8 +62,8 @@ Bytes chunkRecords(Reader chunk) {
   const std::string compression = chunk.text();
   const auto compressed_size = chunk.number<std::uint64_t>();
   const std::uint8_t* begin = chunk.take(compressed_size);
-  if (size > kMaxChunk) throw std::runtime_error("a chunk of " + std::to_string(size) + " bytes");
-  Bytes records = uncompressed(compression, begin, compressed_size, size);
+  Bytes records = ramscout_bringup::uncompressed(
+      compression, {reinterpret_cast<const char*>(begin), compressed_size}, size);
   boost::crc_32_type sum;
   sum.process_bytes(records.data(), records.size());
   if (checksum != 0 && sum.checksum() != checksum)
@@ -179,7 +140,8 @@ private:
       file_.seekg(static_cast<std::streamoff>(length), std::ios::cur);
       return true;
     }
-    if (length > kMaxChunk + (1U << 20U)) return endsEarly("it has a record of nonsensical length");
+    if (length > ramscout_bringup::kMaxChunkSize + (1U << 20U))
+      return endsEarly("it has a record of nonsensical length");
     Bytes content(length);
     file_.read(reinterpret_cast<char*>(content.data()), static_cast<std::streamsize>(length));
     try {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include <bzlib.h>
 #include <lz4frame.h>
 #include <sqlite3.h>
 #include <zstd.h>
@@ -111,6 +112,15 @@ inline Bytes lz4(const Bytes& bytes) {
   Bytes result(LZ4F_compressFrameBound(bytes.size(), nullptr), '\0');
   result.resize(
       LZ4F_compressFrame(result.data(), result.size(), bytes.data(), bytes.size(), nullptr));
+  return result;
+}
+
+inline Bytes bz2(Bytes bytes) {
+  auto size = static_cast<unsigned int>(bytes.size() + bytes.size() / 100 + 600);
+  Bytes result(size, '\0');
+  BZ2_bzBuffToBuffCompress(result.data(), &size, bytes.data(),
+                           static_cast<unsigned int>(bytes.size()), 1, 0, 0);
+  result.resize(size);
   return result;
 }
 

@@ -19,10 +19,10 @@ void readRecording(const std::string& path) {
   while (recording->next()) continue;
 }
 
-std::string bagSeed() {
+std::string bagSeed(rosbag::CompressionType compression) {
   const std::string path = fuzzPath("seed.bag");
   rosbag::Bag bag(path, rosbag::bagmode::Write);
-  bag.setCompression(rosbag::compression::LZ4);
+  bag.setCompression(compression);
   bag.write("/tf_static", time(0.0), transform("base_link", "laser", 0.0, 0.2));
   for (int i = 0; i < 3; ++i) {
     bag.write("/odom", time(i), odometry(i, 0.5 * i));
@@ -64,7 +64,10 @@ std::vector<FuzzTarget> recordingTargets() {
   const Trajectory trajectory = {{1'000'000'000, {0.0, 1.0, 0.5}},
                                  {2'000'000'000, {0.5, 1.0, 3.1}}};
   return {
-      fileTarget("drive.bag", {bagSeed()}, readRecording),
+      fileTarget("drive.bag",
+                 {bagSeed(rosbag::compression::Uncompressed), bagSeed(rosbag::compression::LZ4),
+                  bagSeed(rosbag::compression::BZ2)},
+                 readRecording),
       fileTarget("drive.mcap", mcapSeeds(), readRecording),
       fileTarget("drive.db3", {databaseSeed()}, readRecording),
       fileTarget("drive.log", {kCarmenLog}, readRecording),
