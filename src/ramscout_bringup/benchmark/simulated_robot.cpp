@@ -2,6 +2,7 @@
 #include "simulated_robot.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 namespace ramscout_bringup {
 namespace {
@@ -43,6 +44,11 @@ Eigen::Vector2d SimulatedRobot::position_m() const {
   return simulation_.groundTruth().world_from_base.translation().head<2>();
 }
 
+double SimulatedRobot::laserHeight_m() const {
+  const Eigen::Isometry3d& world_from_base = simulation_.groundTruth().world_from_base;
+  return (world_from_base * robot_.base_from_laser).translation().z();
+}
+
 Pose2 SimulatedRobot::startFromWorld(const Pose2& world) const {
   return Pose2{world_.start.x_m, world_.start.y_m, world_.start.yaw_rad}.inverse() * world;
 }
@@ -75,6 +81,10 @@ SimulatedRobot::Reading SimulatedRobot::drive(ramscout_sim::TourDriver& driver) 
     }
     simulation_.command(driver.drive(worldFromBase()));
     ramscout_sim::Outputs outputs = simulation_.step();
+    if (!outputs.refused_faults.empty()) {
+      const ramscout_sim::RefusedFault& refused = outputs.refused_faults.front();
+      throw std::runtime_error("fault " + toYaml(refused.fault) + ": " + refused.reason);
+    }
     if (outputs.odometry) {
       const auto& pose = outputs.odometry->odom_from_base;
       wheels_.push_back({outputs.odometry->stamp_ns, {pose.x_m, pose.y_m, pose.yaw_rad}});

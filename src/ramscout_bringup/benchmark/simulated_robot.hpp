@@ -26,10 +26,16 @@ public:
   SimulatedRobot(const std::string& config, const ramscout_sim::World& world, int seed);
 
   /// Drives on to the next scan for which there is odometry.
+  /// \throws std::runtime_error if a fault is due that is impossible
   Reading drive(ramscout_sim::TourDriver& driver);
   /// Carries the robot away; what it has sensed before is forgotten.
   void carryTo(const ramscout_sim::Pose2& world_from_base);
 
+  /// \throws std::invalid_argument as Simulation::inject
+  void inject(const ramscout_sim::Fault& fault) { simulation_.inject(fault); }
+
+  /// Above the floor, where the robot stands now.
+  double laserHeight_m() const;
   std::int64_t now_ns() const { return simulation_.now_ns(); }
   Eigen::Vector2d position_m() const;  ///< in the world
   const ram_slam::Pose2& baseFromLaser() const { return base_from_laser_; }

@@ -142,11 +142,14 @@ std::vector<Fault> readFaults(const std::string& path) {
   ram_parameters::ParameterReader top(file, path);
   top.has("faults");
   top.rejectUnknown();
-  const YAML::Node list = file["faults"];
-  if (!list || !list.IsSequence()) throw std::invalid_argument(path + ": faults: must be a list");
+  return readFaults(file["faults"], path);
+}
+
+std::vector<Fault> readFaults(const YAML::Node& list, const std::string& source) {
+  if (!list || !list.IsSequence()) throw std::invalid_argument(source + ": faults: must be a list");
   std::vector<Fault> faults;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    const std::string name = path + ": faults[" + std::to_string(i) + "]";
+    const std::string name = source + ": faults[" + std::to_string(i) + "]";
     ram_parameters::ParameterReader reader(list[i], name);
     faults.push_back(readFault(reader, name));
   }

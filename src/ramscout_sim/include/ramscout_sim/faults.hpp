@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <yaml-cpp/yaml.h>
+
 #include "ramscout_sim/pose2.hpp"
 
 namespace ramscout_sim {
@@ -61,5 +63,8 @@ std::string toYaml(const Fault& fault);
 /// matter, `duration_s`, `amount`, `angle_min_rad`, `angle_max_rad`, `pose`, `target`. \throws
 /// std::runtime_error or std::invalid_argument naming file, element and reason
 std::vector<Fault> readFaults(const std::string& path);
+
+/// The same of such a list that is part of a file. \param source  the file, for errors
+std::vector<Fault> readFaults(const YAML::Node& list, const std::string& source);
 
 }  // namespace ramscout_sim
