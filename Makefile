@@ -1,5 +1,5 @@
 # The commands of this project; README.md says what each leaves behind.
-.PHONY: deps build demo test bench benchmark-logs parameters lint format fuzz sanitize clean
+.PHONY: deps build demo test bench benchmark-logs grade parameters lint format fuzz sanitize clean
 
 deps:
 	@scripts/install_dependencies.sh
@@ -19,6 +19,10 @@ bench: deps
 # LOGS: a folder of CARMEN logs with their relations
 benchmark-logs: build
 	@bash -c 'source scripts/environment.sh && source devel/setup.bash && scripts/benchmark_logs.py "$(abspath $(LOGS))" results/logs'
+
+# SEEDS: one run of every scenario for each
+grade: deps
+	@scripts/grade.sh $(SEEDS)
 
 parameters: build
 	@devel/lib/ramscout_bringup/parameter_reference .

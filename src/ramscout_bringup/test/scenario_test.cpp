@@ -72,6 +72,17 @@ TEST_F(ScenarioFile, IsRefusedIfAFileThatItNamesIsMissing) {
   EXPECT_THAT(refusal("limits: {ate_m: 0.1}\n"), HasSubstr("there is no file"));
 }
 
+TEST(ShippedScenarios, AreReadAndLimitTheTourAndTheLosses) {
+  int count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(CONFIG_FOLDER "/scenarios")) {
+    const Scenario scenario = readScenario(file.path());
+    EXPECT_EQ(scenario.limits.count("tour_driven"), 1U) << file.path();
+    EXPECT_EQ(scenario.limits.count("times_lost"), 1U) << file.path();
+    ++count;
+  }
+  EXPECT_GT(count, 0);
+}
+
 TEST(Limits, AreTheMostOfAnErrorAndTheLeastOfAQuality) {
   Scenario scenario;
   scenario.limits = {{"ate_m", 0.1}, {"map_iou", 0.8}};

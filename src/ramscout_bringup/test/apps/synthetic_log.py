@@ -83,7 +83,7 @@ class ProgramTest(unittest.TestCase):
         with open(os.path.join(self._folder.name, *names), "rb") as file:
             return file.read()
 
-    def run_program(self, name, *arguments):
+    def run_program(self, name, *arguments, timeout_s=60):
         """The finished process, with its output and errors as text."""
         return subprocess.run([os.path.join(PROGRAMS, name), *map(str, arguments)], capture_output=True, text=True,
-                              timeout=60, check=False)
+                              timeout=timeout_s, check=False)
