@@ -37,11 +37,10 @@ class GradeTest(ProgramTest):
         self.assertEqual(suite.get("failures"), "1")
         self.assertEqual(len(suite.findall("testcase/failure")), 1)
 
-    def test_the_system_keeps_the_limits_of_shipped_scenarios(self):
-        for name in ("slip", "dead_encoder"):
-            finished = self.run_program("grade", str(CONFIG / "scenarios" / (name + ".yaml")), "--config", str(CONFIG),
-                                        "--output", self.path("out"), timeout_s=200)
-            self.assertEqual(finished.returncode, 0, finished.stderr)
+    def test_the_system_keeps_the_limits_of_a_shipped_scenario(self):
+        finished = self.run_program("grade", str(CONFIG / "scenarios/slip.yaml"), "--config", str(CONFIG), "--output",
+                                    self.path("out"), timeout_s=200)
+        self.assertEqual(finished.returncode, 0, finished.stderr)
 
     def test_a_fault_that_is_impossible_is_named(self):
         finished = self.grade("ate_m: 1", "{kind: door, start_s: 1, target: nowhere}")
