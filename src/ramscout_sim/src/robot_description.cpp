@@ -12,7 +12,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "parser_log.hpp"
-#include "xml_depth.hpp"
+#include "xml_text.hpp"
 
 namespace ramscout_sim {
 namespace {

@@ -7,7 +7,7 @@
 #include "ramscout_sim/model_files.hpp"
 
 #include "parser_log.hpp"
-#include "xml_depth.hpp"
+#include "xml_text.hpp"
 
 namespace ramscout_sim {
 namespace {

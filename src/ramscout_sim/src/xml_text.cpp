@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "xml_depth.hpp"
+#include "xml_text.hpp"
 
 #include <algorithm>
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../src/xml_depth.hpp"
+#include "../src/xml_text.hpp"
 
 #include <stdexcept>
 
@@ -20,7 +20,7 @@ std::string nested(int depth, bool closed) {
   return text + "</robot>";
 }
 
-TEST(XmlDepth, CountsElementsWithinElements) {
+TEST(XmlText, CountsElementsWithinElements) {
   EXPECT_EQ(depthOfXml(""), 0);
   EXPECT_EQ(depthOfXml("no xml"), 0);
   EXPECT_EQ(depthOfXml("<?xml version=\"1.0\"?><a><b/><c x=\"a>b\"/></a>"), 1);
@@ -30,13 +30,13 @@ TEST(XmlDepth, CountsElementsWithinElements) {
   EXPECT_EQ(depthOfXml("<a"), 1);
 }
 
-TEST(XmlDepth, ARobotOfFiftyThousandNestedElementsIsRefusedWithAReason) {
+TEST(XmlText, ARobotOfFiftyThousandNestedElementsIsRefusedWithAReason) {
   for (const bool closed : {true, false})
     EXPECT_THAT([&] { parseRobot(nested(50'000, closed), "laser", RobotLimits{}); },
                 ::testing::ThrowsMessage<std::exception>(::testing::HasSubstr("nested")));
 }
 
-TEST(XmlDepth, AFileOfARobotIsReadWholeAndRefusalsNameIt) {
+TEST(XmlText, AFileOfARobotIsReadWholeAndRefusalsNameIt) {
   const testing::TemporaryFolder folder;
   EXPECT_EQ(readXml(folder.write("a.urdf", nested(3, true))), nested(3, true));
   const auto read = [](const std::string& path) { readRobot(path); };
