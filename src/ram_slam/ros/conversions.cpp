@@ -165,23 +165,18 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message) {
   return scan;
 }
 
-ram_slam::LidarCorrection toLidarCorrection(const ram_slam_msgs::LidarCalibration& message) {
-  const bool is_possible =
-      std::abs(message.turn_time) <= 1.0 && std::abs(message.range_offset) <= 1.0;
-  if (!is_possible) {
+double toAddedMirrorTurn_s(const ram_slam_msgs::LidarCalibration& message) {
+  if (!(std::abs(message.turn_time) <= 1.0)) {
     throw std::invalid_argument("no lidar is off by a turn_time of " +
-                                std::to_string(message.turn_time) + " s, a range_offset of " +
-                                std::to_string(message.range_offset) + " m");
+                                std::to_string(message.turn_time) + " s");
   }
-  return {message.turn_time, message.range_offset};
+  return message.turn_time;
 }
 
 ram_slam_msgs::LidarCalibration toLidarMessage(const ram_slam::LidarCalibration& calibration) {
   ram_slam_msgs::LidarCalibration message;
-  message.turn_time = calibration.correction().turn_s;
-  message.turn_time_deviation = calibration.deviation().turn_s;
-  message.range_offset = calibration.correction().range_m;
-  message.range_offset_deviation = calibration.deviation().range_m;
+  message.turn_time = calibration.addedMirrorTurn_s();
+  message.turn_time_deviation = calibration.deviation_s();
   return message;
 }
 

@@ -42,8 +42,7 @@ NodeDiagnostics::Report LaserOdometryNode::report() const {
   report.values = {{"scans that contradict the wheels", static_cast<double>(stage_.slipCount())},
                    {"scans without odometry", static_cast<double>(stage_.withoutWheelsCount())},
                    {"stamp offset [s]", 1e-9 * static_cast<double>(stage_.stampOffset_ns())},
-                   {"lidar: correction of the time of a turn [s]", correction_.turn_s},
-                   {"lidar: correction of the readings [m]", correction_.range_m}};
+                   {"lidar: correction of the time of a mirror turn [s]", added_mirror_turn_s_}};
   report.messages = scans_.messages();
   if (stage_.isMirrored()) {
     report.causes.push_back(
@@ -113,8 +112,8 @@ void LaserOdometryNode::publish(const ram_slam::LaserOdometryEstimate& estimate)
 
 void LaserOdometryNode::publishCalibration() {
   const ram_slam::LidarCalibration& calibration = stage_.lidarCalibration();
-  if (calibration.correction() == correction_) return;
-  correction_ = calibration.correction();
+  if (calibration.addedMirrorTurn_s() == added_mirror_turn_s_) return;
+  added_mirror_turn_s_ = calibration.addedMirrorTurn_s();
   ram_slam_msgs::LidarCalibration message = toLidarMessage(calibration);
   message.header.stamp = toTime(stage_.lastStamp_ns());
   message.header.frame_id = parameters_.base_frame;

@@ -36,8 +36,8 @@ private:
 
   ram_slam::LaserOdometryParameters parameters_;
   ram_slam::OdometryStage stage_;
-  int reset_count_ = 0;                   ///< that was logged
-  ram_slam::LidarCorrection correction_;  ///< that was published
+  int reset_count_ = 0;               ///< that was logged
+  double added_mirror_turn_s_ = 0.0;  ///< that was published
   // Longer than tf's usual: a recording may be played many times faster than real time.
   tf2_ros::Buffer transforms_{ros::Duration(60.0)};
   tf2_ros::TransformListener listener_{transforms_};

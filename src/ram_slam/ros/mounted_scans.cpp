@@ -27,7 +27,7 @@ void MountedScans::followCalibration(ros::NodeHandle& node) {
 
 void MountedScans::onCalibration(const ram_slam_msgs::LidarCalibration& message) {
   try {
-    correction_ = toLidarCorrection(message);
+    added_mirror_turn_s_ = toAddedMirrorTurn_s(message);
   } catch (const std::exception& error) {
     ROS_WARN_STREAM_THROTTLE(kLogPeriodS, calibration_.getTopic() << " ignored: " << error.what());
   }
@@ -74,7 +74,7 @@ std::optional<ram_slam::MountedScan> MountedScans::next(ram_slam::DropCounter& d
       const Mounting mounting =
           toMounting(transforms_.lookupTransform(base_frame_, scan.frame, stamp).transform);
       if (mounting.upside_down) scan.scan = ram_slam::mirrored(std::move(scan.scan));
-      return ram_slam::MountedScan{corrected(std::move(scan.scan), correction_),
+      return ram_slam::MountedScan{corrected(std::move(scan.scan), added_mirror_turn_s_),
                                    mounting.base_from_sensor};
     } catch (const std::exception& error) {
       drops.add(ram_slam::DropReason::kNoMount, scan.scan.stamp_ns, error.what());

@@ -56,7 +56,7 @@ private:
   std::string base_frame_;
   const tf2_ros::Buffer& transforms_;
   ros::Subscriber calibration_;
-  ram_slam::LidarCorrection correction_;
+  double added_mirror_turn_s_ = 0.0;
   ram_slam::InputGuard<Waiting> guard_;
   ram_slam::LossCounter messages_;
   std::deque<Waiting> waiting_;

@@ -48,13 +48,12 @@ TEST(Conversions, CovarianceKeepsItsPlaces) {
 
 TEST(Conversions, LidarCalibrationIsSentAndChecked) {
   ram_slam_msgs::LidarCalibration message = toLidarMessage(ram_slam::LidarCalibration());
-  EXPECT_EQ(toLidarCorrection(message), ram_slam::LidarCorrection{});
+  EXPECT_EQ(toAddedMirrorTurn_s(message), 0.0);
   message.turn_time = -0.04;
-  message.range_offset = 0.01;
-  EXPECT_EQ(toLidarCorrection(message), (ram_slam::LidarCorrection{-0.04, 0.01}));
+  EXPECT_EQ(toAddedMirrorTurn_s(message), -0.04);
   for (const double impossible : {2.0, -2.0, std::numeric_limits<double>::quiet_NaN()}) {
     message.turn_time = impossible;
-    EXPECT_THROW(toLidarCorrection(message), std::invalid_argument);
+    EXPECT_THROW(toAddedMirrorTurn_s(message), std::invalid_argument);
   }
 }
 

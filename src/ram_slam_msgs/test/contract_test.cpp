@@ -60,7 +60,7 @@ TEST(Contract, GetDrawnMapKeepsItsMd5Sum) {
 }
 
 TEST(Contract, LidarCalibrationKeepsItsMd5Sum) {
-  EXPECT_EQ(md5<ram_slam_msgs::LidarCalibration>(), "909dd9159044e8fd6c4c54818c11aa56");
+  EXPECT_EQ(md5<ram_slam_msgs::LidarCalibration>(), "e56a68d1627ab812765f8f7c50ddde9c");
 }
 
 TEST(Contract, MessagesWithAHeaderSaySo) {

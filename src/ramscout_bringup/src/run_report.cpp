@@ -38,10 +38,7 @@ ordered_json withSigma(double value, double sigma) {
 }
 
 ordered_json toJson(const ram_slam::LidarCalibration& lidar) {
-  const ram_slam::LidarCorrection& correction = lidar.correction();
-  const ram_slam::LidarCorrection& deviation = lidar.deviation();
-  return {{"added_turn_time_s", withSigma(correction.turn_s, deviation.turn_s)},
-          {"added_range_m", withSigma(correction.range_m, deviation.range_m)},
+  return {{"added_turn_time_s", withSigma(lidar.addedMirrorTurn_s(), lidar.deviation_s())},
           {"meaning", toText(lidar)}};
 }
 

@@ -110,7 +110,7 @@ void SlamPipeline::use(ram_slam::MountedScan scan) {
   if (smooths()) {
     // As the node does: by what is known when the scan comes.
     ram_slam::MountedScan known = scan;
-    known.scan = corrected(std::move(known.scan), odometry_.lidarCalibration().correction());
+    known.scan = corrected(std::move(known.scan), odometry_.lidarCalibration().addedMirrorTurn_s());
     smoothing_.add(std::move(known));
   }
   odometry_.add(std::move(scan));

@@ -82,7 +82,8 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
   if (estimate.jumped || !estimate.contradicts) {
     contradicting_count_ = 0;
     placed_ns_ = scan.stamp_ns;
-    KeyScan key{std::move(surfaces), found.map_from_laser, {}, lidar_calibration_.correction()};
+    KeyScan key{
+        std::move(surfaces), found.map_from_laser, {}, lidar_calibration_.addedMirrorTurn_s()};
     if (!estimate.jumped && interval_s <= parameters_.lidar_calibration.max_interval_s) {
       const Pose2 motion = base_from_laser.inverse() * estimate.motion.pose * base_from_laser;
       key.velocity = logarithm(motion) / interval_s;
@@ -256,7 +257,7 @@ void LaserOdometry::learnLidar(const KeyScan& scan) {
   PairingLimits limits = parameters_.matcher.firstPairing();
   limits.max_distance_m = parameters_.matcher.last_gate_m;
   for (const KeyScan* key : references()) {
-    if (!key->velocity || !(key->correction == scan.correction)) continue;
+    if (!key->velocity || key->added_mirror_turn_s != scan.added_mirror_turn_s) continue;
     const double difference_radps = std::abs(scan.velocity->z() - key->velocity->z());
     if (!is_key_scan && difference_radps < parameters_.lidar_calibration.min_turn_rate_radps)
       continue;

@@ -159,21 +159,16 @@ std::size_t forEachPair(const SurfaceScan& target,
   return visible_count;
 }
 
-/// Where a point moves for each second of a turn of the mirror, and for each metre of offset, in
-/// the axes of its scan.
-Eigen::Matrix2d movedByLidar(const SweepingScan& scan, const SurfacePoint& point) {
+/// Where a point moves for each second of a mirror turn, in the axes of its scan [m/s].
+Eigen::Vector2d movedBySweep(const SweepingScan& scan, const SurfacePoint& point) {
   const double increment_rad = scan.surfaces.angle_increment_rad;
   const double full_turn = std::copysign(2.0 * M_PI, increment_rad);
   const double from_first_rad = std::atan2(point.y_m, point.x_m) - scan.surfaces.angle_min_rad;
   // Half a beam before the first one is still the first one.
   const double turns = std::floor((from_first_rad + 0.5 * increment_rad) / full_turn);
   const double swept_rad = from_first_rad - turns * full_turn;
-  Eigen::Matrix2d moved;
-  moved.col(0) =
-      swept_rad / (2.0 * M_PI) *
-      (scan.velocity.head<2>() + scan.velocity.z() * Eigen::Vector2d(-point.y_m, point.x_m));
-  moved.col(1) = Eigen::Vector2d(point.x_m, point.y_m).normalized();
-  return moved;
+  return swept_rad / (2.0 * M_PI) *
+         (scan.velocity.head<2>() + scan.velocity.z() * Eigen::Vector2d(-point.y_m, point.x_m));
 }
 
 }  // namespace
@@ -205,16 +200,15 @@ ScanPairSum sumScanPair(const SweepingScan& target,
                         const SweepingScan& source,
                         const Pose2& target_from_source,
                         const PairingLimits& limits) {
-  const Eigen::Matrix2d turn = target_from_source.rotation();
+  const Eigen::Matrix2d rotation = target_from_source.rotation();
   ScanPairSum sum;
   forEachPair(
       target.surfaces, source.surfaces, target_from_source, limits,
       [&](const SurfacePoint& point, const SurfacePoint& partner, float residual, float lever) {
         const Eigen::Vector2d normal(partner.normal_x, partner.normal_y);
-        const Eigen::Matrix2d moved =
-            turn * movedByLidar(source, point) - movedByLidar(target, partner);
-        Eigen::Matrix<double, 5, 1> row;
-        row << normal, lever, moved.transpose() * normal;
+        const Eigen::Vector2d moved =
+            rotation * movedBySweep(source, point) - movedBySweep(target, partner);
+        const Eigen::Vector4d row(normal.x(), normal.y(), lever, moved.dot(normal));
         const double weight = 1.0 / (1.0 + std::pow(residual / limits.robust_scale_m, 2));
         sum.information += weight * row * row.transpose();
         sum.gradient += weight * residual * row;

@@ -55,7 +55,7 @@ OdometryStep OdometryStage::refine(SynchronisedScan ready) {
   OdometryStep step;
   if (refines_) {
     followStampOffset();
-    ready.scan = corrected(std::move(ready.scan), odometry_.lidarCalibration().correction());
+    ready.scan = corrected(std::move(ready.scan), odometry_.lidarCalibration().addedMirrorTurn_s());
     if (ready.odom_from_base) mirror_check_.add(ready.scan, ready.odom_from_base->yaw_rad);
     step.estimate = odometry_.update(ready.scan, ready.base_from_laser, ready.odom_from_base);
     step.between = posesBetween(step.estimate, ready.odom_from_base);

@@ -74,7 +74,7 @@ private:
     SurfaceScan surfaces;
     Pose2 odom_from_laser;
     std::optional<Eigen::Vector3d> velocity = {};  ///< of the laser [m/s, m/s, rad/s], in its axes
-    LidarCorrection correction = {};               ///< that was known then
+    double added_mirror_turn_s = 0.0;              ///< by which the scan was corrected
   };
   /// Where a motion began that both wheels and scans measure.
   struct Interval {

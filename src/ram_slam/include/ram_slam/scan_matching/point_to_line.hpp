@@ -51,17 +51,17 @@ struct SweepingScan {
   Eigen::Vector3d velocity;  ///< (x, y, yaw) [m/s, m/s, rad/s] in the laser's axes
 };
 
-/// Information and gradient as in PointToLineSum, of (x, y, yaw) of T, and of what both scans
-/// share: the time of one counterclockwise turn of the mirror [s] and the offset of the readings
-/// [m].
+/// Information and gradient as in PointToLineSum, of (x, y, yaw) of T, and of the time of one
+/// counterclockwise turn of the mirror [s], which both scans share.
 struct ScanPairSum {
-  Eigen::Matrix<double, 5, 5> information = Eigen::Matrix<double, 5, 5>::Zero();
-  Eigen::Matrix<double, 5, 1> gradient = Eigen::Matrix<double, 5, 1>::Zero();
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
 };
 
-/// The pairs of sumPointToLine(), with the derivatives of their residuals by what the scans share.
-/// With the time p of a turn, the point of a beam at the angle a from the first beam is displaced
-/// by p a / (2 pi) (v + w x point) for the velocity v and the turn rate w of the laser.
+/// The pairs of sumPointToLine(), with the derivatives of their residuals by the time of a mirror
+/// turn, too. With the time p of a mirror turn, the point of a beam at the angle a from the first
+/// beam is displaced by p a / (2 pi) (v + w x point) for the velocity v and the turn rate w of the
+/// laser.
 ScanPairSum sumScanPair(const SweepingScan& target,
                         const SweepingScan& source,
                         const Pose2& target_from_source,

@@ -68,8 +68,9 @@ ram_slam::LaserScan toLaserScan(const sensor_msgs::LaserScan& message);
 /// The same scan as it is, without a frame.
 sensor_msgs::LaserScan toScanMessage(const ram_slam::LaserScan& scan);
 
-/// \throws std::invalid_argument if a value is not finite or no lidar can be so far off: 1 s, 1 m
-ram_slam::LidarCorrection toLidarCorrection(const ram_slam_msgs::LidarCalibration& message);
+/// What is added to the time of a mirror turn.
+/// \throws std::invalid_argument if it is not finite or no lidar can be so far off: 1 s
+double toAddedMirrorTurn_s(const ram_slam_msgs::LidarCalibration& message);
 ram_slam_msgs::LidarCalibration toLidarMessage(const ram_slam::LidarCalibration& calibration);
 
 /// A feature's position covariance must be finite, symmetric and positive definite, the variance of
