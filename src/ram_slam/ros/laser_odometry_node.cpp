@@ -31,6 +31,8 @@ LaserOdometryNode::LaserOdometryNode(ram_parameters::ParameterReader& reader)
   }
   diagnostics_.needMount(transforms_, parameters_.base_frame);
   diagnostics_.setOutput(publisher_.getTopic());
+  // Nodes that ran before this one started may correct scans by what an earlier run has learned.
+  publishCalibration();
   ROS_INFO_STREAM(
       "Refining " << (parameters_.use_wheels ? odometry_subscriber_.getTopic() : "no odometry")
                   << " by " << scan_subscriber_.getTopic() << " into " << publisher_.getTopic());
@@ -92,7 +94,7 @@ void LaserOdometryNode::processWaiting() {
       publish(pose.stamp_ns, {pose.pose, step->estimate.odom_from_base.covariance});
     publish(step->estimate);
   }
-  publishCalibration();
+  followCalibration();
   if (stage_.resetCount() != reset_count_) {
     reset_count_ = stage_.resetCount();
     ROS_WARN_STREAM("The stamps on " << scan_subscriber_.getTopic()
@@ -111,13 +113,17 @@ void LaserOdometryNode::publish(const ram_slam::LaserOdometryEstimate& estimate)
 }
 
 void LaserOdometryNode::publishCalibration() {
-  const ram_slam::LidarCalibration& calibration = stage_.lidarCalibration();
-  if (calibration.addedMirrorTurn_s() == added_mirror_turn_s_) return;
-  added_mirror_turn_s_ = calibration.addedMirrorTurn_s();
-  ram_slam_msgs::LidarCalibration message = toLidarMessage(calibration);
+  ram_slam_msgs::LidarCalibration message = toLidarMessage(stage_.lidarCalibration());
   message.header.stamp = toTime(stage_.lastStamp_ns());
   message.header.frame_id = parameters_.base_frame;
   calibration_publisher_.publish(message);
+}
+
+void LaserOdometryNode::followCalibration() {
+  const ram_slam::LidarCalibration& calibration = stage_.lidarCalibration();
+  if (calibration.addedMirrorTurn_s() == added_mirror_turn_s_) return;
+  added_mirror_turn_s_ = calibration.addedMirrorTurn_s();
+  publishCalibration();
   ROS_INFO_STREAM_ONCE("The scans on "
                        << scan_subscriber_.getTopic()
                        << " are corrected by what was learned: " << toText(calibration)

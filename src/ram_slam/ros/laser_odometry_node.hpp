@@ -30,8 +30,9 @@ private:
   NodeDiagnostics::Report report() const;
   void processWaiting();
   void publish(const ram_slam::LaserOdometryEstimate& estimate);
-  /// If it has changed.
   void publishCalibration();
+  /// Publishes the calibration if it has changed.
+  void followCalibration();
   void publish(std::int64_t stamp_ns, const ram_slam::PoseWithCovariance2& odom_from_base);
 
   ram_slam::LaserOdometryParameters parameters_;
