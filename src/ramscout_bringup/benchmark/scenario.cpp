@@ -25,6 +25,16 @@ std::string fileBeside(const std::string& path,
   return file.lexically_normal().string();
 }
 
+/// A name stays as it is; a path is relative to the folder of the scenario.
+void readPreset(const std::string& path,
+                const std::string& key,
+                ram_parameters::ParameterReader& reader,
+                std::string& name) {
+  reader.read(key, name);
+  if (name.find('/') == std::string::npos) return;
+  name = (std::filesystem::path(path).parent_path() / name).lexically_normal().string();
+}
+
 std::map<std::string, double> readLimits(ram_parameters::ParameterReader reader) {
   std::map<std::string, double> limits;
   for (const FigureKind& kind : figureKinds()) {
@@ -55,7 +65,12 @@ Scenario readScenario(const std::string& path) {
   scenario.name = std::filesystem::path(path).stem().string();
   scenario.world = fileBeside(path, "world", reader);
   scenario.tour = fileBeside(path, "tour", reader);
+  readPreset(path, "robot", reader, scenario.robot);
+  readPreset(path, "lidar", reader, scenario.lidar);
+  if (scenario.robot.empty()) throw std::invalid_argument(path + ": robot must name a robot");
   reader.read("estimator", scenario.estimator);
+  reader.read("map_by", scenario.map_by);
+  reader.read("heading_offset_rad", scenario.heading_offset_rad);
   reader.read("most_s", scenario.most_s);
   if (!(scenario.most_s > 0.0 && scenario.most_s <= kLongest_s))
     throw std::invalid_argument(path + ": most_s must be in (0, 36000] s");

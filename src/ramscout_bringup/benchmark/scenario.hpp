@@ -7,15 +7,24 @@
 
 #include <ramscout_sim/faults.hpp>
 
+#include "ramscout_bringup/parameter_files.hpp"
+
 namespace ramscout_bringup {
 
 /// A simulated drive, what goes wrong on it, and how good the results must be. docs/scenarios.md
 /// describes the file.
 struct Scenario {
-  std::string name;   ///< of the file, without folder and suffix
-  std::string world;  ///< path of a world file
-  std::string tour;   ///< path of a tour file
+  std::string name;                     ///< of the file, without folder and suffix
+  std::string world;                    ///< path of a world file
+  std::string tour;                     ///< path of a tour file
+  std::string robot = kReferenceRobot;  ///< as ParameterFiles takes it
+  std::string lidar;                    ///< likewise
   std::string estimator = "fast_slam";
+  /// The estimator that maps the drive before; `estimator` then localises in that map. Empty: no
+  /// map is given.
+  std::string map_by;
+  /// By which omnidirectional robots turn their heading from the way.
+  double heading_offset_rad = 0.0;
   double most_s = 1200.0;  ///< simulated time after which the drive ends, finished or not
   std::vector<ramscout_sim::Fault> faults;
   std::map<std::string, double> limits;  ///< by the name of the figure

@@ -11,11 +11,11 @@ using ram_slam::Pose2;
 
 constexpr std::size_t kKept = 100;  // readings of the wheels
 
-ramscout_sim::SimulationParameters simulationParameters(const std::string& config, int seed) {
-  const std::string path = config + "/simulator.yaml";
-  ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
-  ramscout_sim::SimulationParameters parameters = ramscout_sim::readSimulationParameters(reader);
-  parameters.seed = seed;
+ramscout_sim::SimulatorNodeParameters simulatorParameters(const ParameterFiles& files, int seed) {
+  ram_parameters::ParameterReader reader = files.reader("simulator");
+  ramscout_sim::SimulatorNodeParameters parameters =
+      ramscout_sim::readSimulatorNodeParameters(reader);
+  parameters.simulation.seed = seed;
   return parameters;
 }
 
@@ -26,14 +26,18 @@ Pose2 planar(const Eigen::Isometry3d& pose) {
 
 }  // namespace
 
-SimulatedRobot::SimulatedRobot(const std::string& config,
+SimulatedRobot::SimulatedRobot(const ParameterFiles& files,
                                const ramscout_sim::World& world,
-                               int seed)
+                               int seed,
+                               double heading_offset_rad)
     : world_(world),
-      parameters_(simulationParameters(config, seed)),
-      robot_(ramscout_sim::readRobot(config + "/robots/ramscout.urdf")),
-      simulation_(parameters_, robot_, world_, std::nullopt),
-      base_from_laser_(planar(robot_.base_from_laser)) {}
+      parameters_(simulatorParameters(files, seed)),
+      robot_(ramscout_sim::readRobot(
+          files.urdf(), parameters_.every_robot.laser_frame, parameters_.robot_limits)),
+      simulation_(parameters_.simulation, robot_, world_, std::nullopt),
+      base_from_laser_(planar(robot_.base_from_laser)),
+      heading_offset_rad_(
+          robot_.kind == ramscout_sim::BaseKind::kOmnidirectional ? heading_offset_rad : 0.0) {}
 
 ramscout_sim::Pose2 SimulatedRobot::worldFromBase() const {
   const Pose2 pose = planar(simulation_.groundTruth().world_from_base);
@@ -54,7 +58,7 @@ Pose2 SimulatedRobot::startFromWorld(const Pose2& world) const {
 }
 
 ram_slam::LaserScan SimulatedRobot::toLaserScan(const ramscout_sim::Scan& scan) const {
-  const ramscout_sim::LidarParameters& lidar = parameters_.lidar;
+  const ramscout_sim::LidarParameters& lidar = parameters_.simulation.lidar;
   ram_slam::LaserScan result;
   result.stamp_ns = scan.stamp_ns;
   result.angle_min_rad = lidar.angle_min_rad;
@@ -64,6 +68,14 @@ ram_slam::LaserScan SimulatedRobot::toLaserScan(const ramscout_sim::Scan& scan) 
   result.range_max_m = static_cast<float>(lidar.range_max_m);
   result.ranges_m = scan.ranges_m;
   return result;
+}
+
+ramscout_sim::Twist2 SimulatedRobot::wantedTwist(ramscout_sim::TourDriver& driver) const {
+  ramscout_sim::Pose2 world_from_way = worldFromBase();
+  world_from_way.yaw_rad -= heading_offset_rad_;
+  const ramscout_sim::Twist2 along = driver.drive(world_from_way);
+  return {along.forward_mps * std::cos(heading_offset_rad_),
+          -along.forward_mps * std::sin(heading_offset_rad_), along.turn_radps};
 }
 
 SimulatedRobot::Reading SimulatedRobot::drive(ramscout_sim::TourDriver& driver) {
@@ -79,7 +91,7 @@ SimulatedRobot::Reading SimulatedRobot::drive(ramscout_sim::TourDriver& driver) 
         if (wheels && truth) return {toLaserScan(scan), *wheels, startFromWorld(*truth)};
       }
     }
-    simulation_.command(driver.drive(worldFromBase()));
+    simulation_.command(wantedTwist(driver));
     ramscout_sim::Outputs outputs = simulation_.step();
     if (!outputs.refused_faults.empty()) {
       const ramscout_sim::RefusedFault& refused = outputs.refused_faults.front();

@@ -51,7 +51,7 @@ Recorded record(const std::string& config,
   office_parameters.blocks_along_x = kBlocks;
   const ramscout_sim::Office office = ramscout_sim::generateOffice(office_parameters);
   const ramscout_sim::Tour tour = longTour(office.tour, length_m);
-  SimulatedRobot robot(config, office.world, seed);
+  SimulatedRobot robot(ParameterFiles(config, kReferenceRobot), office.world, seed);
   ramscout_sim::TourDriver driver(tour);
   ram_slam::LaserOdometry odometry(parameters.laser_odometry);
   ramscout_feature_detector::FeatureDetector detector(parameters.feature_detector);

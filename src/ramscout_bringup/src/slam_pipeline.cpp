@@ -17,12 +17,19 @@ using ram_slam::DropReason;
 using ram_slam::Pose2;
 
 template <typename Read>
-auto readFile(const std::string& folder, const std::string& node, const Read& read) {
-  const std::string path = folder + "/" + node + ".yaml";
-  return namingFile(path, [&] {
-    ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path), path);
+auto readNode(const ParameterFiles& files,
+              const std::string& name,
+              const std::string& node,
+              const Read& read) {
+  return namingFile(files.path(name), [&] {
+    ram_parameters::ParameterReader reader = files.reader(name, node);
     return read(reader);
   });
+}
+
+template <typename Read>
+auto readNode(const ParameterFiles& files, const std::string& name, const Read& read) {
+  return readNode(files, name, name, read);
 }
 
 /// The shipped noise is that of refined odometry; that of wheels alone is larger.
@@ -55,28 +62,35 @@ ram_slam::FeatureMatchers featureMatchers() {
            std::make_shared<const ramscout_feature_detector::CornerMatcher>()}};
 }
 
-SlamParameters readSlamParameters(const std::string& folder, const std::string& estimator) {
+SlamParameters readSlamParameters(const ParameterFiles& files, const std::string& estimator) {
+  using ram_parameters::ParameterReader;
+  const char* estimator_node = "fast_slam";
   SlamParameters parameters;
   parameters.laser_odometry =
-      readFile(folder, "laser_odometry", ram_slam::readLaserOdometryParameters);
-  parameters.feature_detector = readFile(folder, "feature_detector",
-                                         ramscout_feature_detector::readFeatureDetectorParameters);
+      readNode(files, "laser_odometry", ram_slam::readLaserOdometryParameters);
+  parameters.feature_detector =
+      readNode(files, "feature_detector", ramscout_feature_detector::readFeatureDetectorParameters);
   parameters.kinematics =
-      readFile(folder, "kinematics", ramscout_kinematics::readKinematicsParameters);
-  parameters.estimator = readFile(folder, estimator, [&](ram_parameters::ParameterReader& reader) {
+      readNode(files, "kinematics", ramscout_kinematics::readKinematicsParameters);
+  parameters.estimator = readNode(files, estimator, estimator_node, [&](ParameterReader& reader) {
     return ram_slam::findEstimator(estimator)(reader, featureMatchers());
   });
   const auto filter = ram_slam::filters().find(estimator);
   if (filter != ram_slam::filters().end()) {
-    parameters.filter = readFile(folder, estimator, [&](ram_parameters::ParameterReader& reader) {
+    parameters.filter = readNode(files, estimator, estimator_node, [&](ParameterReader& reader) {
       return filter->second.read(reader, featureMatchers());
     });
-    parameters.recovery = readFile(folder, estimator, ram_slam::readRecoveryParameters);
+    parameters.recovery =
+        readNode(files, estimator, estimator_node, ram_slam::readRecoveryParameters);
   }
-  parameters.map_smoother = readFile(folder, "map_smoother", ram_slam::readMapSmootherParameters);
+  parameters.map_smoother = readNode(files, "map_smoother", ram_slam::readMapSmootherParameters);
   parameters.occupancy_mapper =
-      readFile(folder, "occupancy_mapper", ram_slam::readOccupancyMapperParameters);
+      readNode(files, "occupancy_mapper", ram_slam::readOccupancyMapperParameters);
   return parameters;
+}
+
+SlamParameters readSlamParameters(const std::string& folder, const std::string& estimator) {
+  return readSlamParameters(ParameterFiles(folder), estimator);
 }
 
 SlamPipeline::SlamPipeline(const SlamParameters& parameters)

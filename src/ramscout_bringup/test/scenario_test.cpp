@@ -58,11 +58,27 @@ TEST_F(ScenarioFile, HasItsNameItsFilesBesideItItsFaultsAndItsLimits) {
   EXPECT_DOUBLE_EQ(read.limits.at("ate_m"), 0.1);
 }
 
+TEST_F(ScenarioFile, IsOfTheReferenceRobotWithItsOwnLidarUnlessItNamesOthers) {
+  const Scenario plain = readScenario(scenario("limits: {ate_m: 0.1}\n"));
+  EXPECT_EQ(plain.robot, kReferenceRobot);
+  EXPECT_EQ(plain.lidar, "");
+  const Scenario other =
+      readScenario(scenario("robot: car\nlidar: mine/lidar\nheading_offset_rad: 0.2\nestimator: "
+                            "ukf_localiser\nmap_by: fast_slam\nlimits: {ate_m: 0.1}\n"));
+  EXPECT_EQ(other.robot, "car");
+  EXPECT_EQ(other.lidar, folder_ + "/mine/lidar");
+  EXPECT_EQ(other.estimator, "ukf_localiser");
+  EXPECT_EQ(other.map_by, "fast_slam");
+  EXPECT_DOUBLE_EQ(other.heading_offset_rad, 0.2);
+}
+
 TEST_F(ScenarioFile, IsRefusedWithTheKeyThatIsWrong) {
   EXPECT_THAT(refusal("limits: {ate: 0.1}\n"), HasSubstr("ate"));
   EXPECT_THAT(refusal("limits: {ate_m: far}\n"), HasSubstr("ate_m"));
   EXPECT_THAT(refusal("limits: {ate_m: 0.1}\nspeed: 2\n"), HasSubstr("speed"));
   EXPECT_THAT(refusal("limits: {ate_m: 0.1}\nmost_s: 0\n"), HasSubstr("most_s"));
+  EXPECT_THAT(refusal("limits: {ate_m: 0.1}\nrobots: car\n"), HasSubstr("'robot'"));
+  EXPECT_THAT(refusal("limits: {ate_m: 0.1}\nrobot: ''\n"), HasSubstr("robot"));
   EXPECT_THAT(refusal("limits: {ate_m: 0.1}\nfaults: [{kind: rain}]\n"), HasSubstr("faults[0]"));
   EXPECT_THAT(refusal(""), HasSubstr("limits"));
 }

@@ -16,6 +16,7 @@
 #include "ram_slam/stages/odometry_stage.hpp"
 #include "ram_slam/stages/smoothing_stage.hpp"
 #include "ram_slam/tracking/tracker.hpp"
+#include "ramscout_bringup/parameter_files.hpp"
 #include "ramscout_bringup/recording.hpp"
 #include "ramscout_bringup/results.hpp"
 #include "ramscout_bringup/run_report.hpp"
@@ -47,10 +48,13 @@ struct SlamParameters {
   void useBatchSettings();
 };
 
-/// Reads `<node>.yaml` for each node from a folder such as config/.
+/// Reads the parameters of each node.
 /// \param estimator  as in ram_slam::estimatorNames(); it reads `<estimator>.yaml`
 /// \throws std::runtime_error if a file cannot be read
 /// \throws std::invalid_argument if a parameter is refused
+SlamParameters readSlamParameters(const ParameterFiles& files,
+                                  const std::string& estimator = "fast_slam");
+/// Without a robot's or a lidar's file.
 SlamParameters readSlamParameters(const std::string& folder,
                                   const std::string& estimator = "fast_slam");
 
@@ -74,6 +78,8 @@ public:
   /// Deals with what still waits, and gives the final estimate and the map drawn from it. Call
   /// once, at the end. \throws std::runtime_error if no scan could be used
   Results finish();
+
+  const ram_slam::Estimator& estimator() const { return estimator_.estimator(); }
 
 private:
   void use(const ram_slam::StampedPose2& odometry);
