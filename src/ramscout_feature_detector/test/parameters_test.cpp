@@ -29,7 +29,8 @@ TEST(Parameters, ShippedFileHoldsTheDefaults) {
 }
 
 TEST(Parameters, PresetsOfLidarsAreAccepted) {
-  for (const char* name : {"rplidar", "sick_lms", "sick_lms_180", "urg_04lx", "utm_30lx"}) {
+  for (const char* name :
+       {"depth_camera", "rplidar", "sick_lms", "sick_lms_180", "urg_04lx", "utm_30lx"}) {
     const std::string path = std::string(PRESET_FOLDER) + "/" + name + ".yaml";
     ram_parameters::ParameterReader reader(ram_parameters::readYamlFile(path)["feature_detector"],
                                            path);
