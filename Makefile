@@ -1,5 +1,5 @@
 # The commands of this project; README.md says what each leaves behind.
-.PHONY: deps build demo test bench benchmark-logs grade parameters lint format fuzz sanitize clean
+.PHONY: deps build demo test bench benchmark-logs grade reuse parameters lint format fuzz sanitize clean
 
 deps:
 	@scripts/install_dependencies.sh
@@ -23,6 +23,10 @@ benchmark-logs: build
 # SEEDS: one run of every scenario for each
 grade: deps
 	@scripts/grade.sh $(SEEDS)
+
+# SEED: of the noise
+reuse: build
+	@bash -c 'source scripts/environment.sh && source devel/setup.bash && scripts/reuse.py --seed $(or $(SEED),1)'
 
 parameters: build
 	@devel/lib/ramscout_bringup/parameter_reference .
