@@ -40,7 +40,7 @@ struct CorridorTestParameters {
 struct LoopSearchParameters {
   double min_path_m = 8.0;           ///< between two key scans, the shortest way through the graph
   double max_view_distance_m = 3.0;  ///< between two view centres, before drift is allowed for
-  double drift_m_per_m = 0.03;       ///< expected of the poses along the path
+  double drift_m_per_m = 0.05;       ///< expected of the poses along the path
   double drift_rad_per_m = 0.01;
   double max_distance_m = 15.0;  ///< greatest shift that is searched, to each side
   double max_angle_rad = 0.6;
