@@ -157,9 +157,14 @@ void SlamPipeline::process(const ram_slam::OdometryStep& step) {
     return;
   }
   if (estimator_.isDue(*motion)) updateEstimator(step.scan, *motion);
-  // In the end the smoother knows where each scan was taken, also while the estimator was lost.
-  const auto change = estimator_.takeTrackingChange();
-  if (change && !smooths()) mapping_.set(*change);
+  if (const auto change = estimator_.takeTrackingChange()) {
+    // In the end the smoother knows where each scan was taken, also while the estimator was lost.
+    if (smooths()) {
+      smoothing_.set(*change);
+    } else {
+      mapping_.set(*change);
+    }
+  }
   estimator_.followCorrection();
   if (!estimator_.estimator().started()) return;
   const Pose2 map_from_base = estimator_.poseAt(*motion);

@@ -83,9 +83,26 @@ std::vector<std::size_t> JumpSearch::alikePlaces(const std::vector<KeyScan>& key
 bool JumpSearch::isShownBy(const std::vector<KeyScan>& key_scans,
                            const LoopMatch& match,
                            std::size_t jump) {
-  const bool is_supported = isSupported(key_scans, match, jump);
+  const bool is_supported =
+      isWhereFound(key_scans, match, jump) || isSupported(key_scans, match, jump);
   unsupported_.push_back(match);
   return is_supported && fitsSinceJump(key_scans, match, jump);
+}
+
+bool JumpSearch::isWhereFound(const std::vector<KeyScan>& key_scans,
+                              const LoopMatch& match,
+                              std::size_t jump) const {
+  if (!found_ || found_->stamp_ns < key_scans[jump].stamp_ns) return false;
+  const auto found_at =
+      std::find_if(key_scans.begin() + static_cast<std::ptrdiff_t>(jump), key_scans.end(),
+                   [this](const KeyScan& key) { return key.stamp_ns >= found_->stamp_ns; });
+  if (found_at == key_scans.end()) return false;
+  const KeyScan& newer = key_scans[match.edge.to];
+  const SearchWindow window = searchWindow(std::abs(newer.path_m - found_at->path_m), loops_);
+  const MotionGate same{window.distance_m, window.angle_rad};
+  const Pose2 by_match = key_scans[match.edge.from].map_from_laser * match.edge.from_from_to;
+  const Pose2 by_estimator = found_->map_from_odom * newer.odom_from_laser;
+  return !same.isExceededBy(by_estimator.inverse() * by_match);
 }
 
 bool JumpSearch::isSupported(const std::vector<KeyScan>& key_scans,

@@ -120,6 +120,24 @@ void KeyScans::load(const std::vector<PlacedScan>& scans) {
   }
 }
 
+void KeyScans::addPossibleJump(std::int64_t from_ns, std::int64_t until_ns) {
+  possible_jump_ = {from_ns, until_ns};
+  placePossibleJump();
+}
+
+void KeyScans::placePossibleJump() {
+  if (!possible_jump_ || keys_.empty() || keys_.back().stamp_ns <= possible_jump_->until_ns) return;
+  const StampInterval interval = *std::exchange(possible_jump_, std::nullopt);
+  KeyScan* least = nullptr;
+  for (std::size_t i = std::max<std::size_t>(session_begin_ + 1, 1); i < keys_.size(); ++i) {
+    KeyScan& key = keys_[i];
+    if (key.stamp_ns <= interval.from_ns) continue;
+    if (least == nullptr || key.inlier_ratio < least->inlier_ratio) least = &key;
+    if (key.stamp_ns > interval.until_ns) break;
+  }
+  if (least != nullptr) least->may_be_jump = true;
+}
+
 bool KeyScans::add(const LaserScan& scan,
                    const Pose2& base_from_laser,
                    const Pose2& odom_from_base) {
@@ -138,6 +156,7 @@ bool KeyScans::add(const LaserScan& scan,
     addKeyScan(scan.stamp_ns, surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser,
                odom_from_base);
     keys_.back().may_be_jump |= is_after_gap && !keys_.back().is_start;
+    placePossibleJump();
   } else if (isBetweenScan(odom_from_base)) {
     between_scans_.push_back(
         {scans_.size(), surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser});
@@ -201,7 +220,8 @@ void KeyScans::addKeyScan(std::int64_t stamp_ns,
   }
   keys_.push_back(std::move(key));
   if (keys_.size() == 1) return;
-  reviewJumps(alignNewest());
+  keys_.back().inlier_ratio = alignNewest();
+  reviewJumps(keys_.back().inlier_ratio);
   alignNewestWithMap();
   alignBetweenScans();
 }

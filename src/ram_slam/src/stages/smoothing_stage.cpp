@@ -35,17 +35,27 @@ void SmoothingStage::restart() {
 }
 
 void SmoothingStage::set(const Tracking& tracking) {
-  if (!gate_.isLost() || tracking.is_lost) return;
+  if (tracking.is_lost) {
+    smoother_.addPossibleJump(tracking.certain_until_ns, tracking.stamp_ns);
+    return;
+  }
   found_ = tracking;
+  starts_session_ = gate_.isLost();
   gate_.set(tracking);
 }
 
 Pose2 SmoothingStage::aligned(const Pose2& odom_from_base) {
   if (found_) {
     const std::optional<Pose2> odom_from_found = scans_.odometryOf(found_->certain_until_ns);
-    const Pose2 at_found = odom_from_found ? *odom_from_found : odom_from_base;
-    smoothed_from_odom_ = found_->map_from_base * at_found.inverse();
-    smoother_.startSession();
+    const Pose2 map_from_odom =
+        found_->map_from_base * odom_from_found.value_or(odom_from_base).inverse();
+    if (starts_session_) {
+      smoothed_from_odom_ = map_from_odom;
+      smoother_.startSession();
+    } else {
+      smoother_.addFoundPlace(found_->certain_until_ns,
+                              map_from_odom * smoothed_from_odom_.inverse());
+    }
     found_.reset();
   }
   return smoothed_from_odom_ * odom_from_base;

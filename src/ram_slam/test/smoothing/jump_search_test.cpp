@@ -106,6 +106,18 @@ TEST(JumpSearch, NeedsTwoPlacesThatAgree) {
   EXPECT_TRUE(search.isShownBy(keys, samePlace(keys, 10), jump));
 }
 
+TEST(JumpSearch, NeedsOnePlaceIfTheEstimatorHasFoundTheRobotThere) {
+  const std::vector<KeyScan> keys = drivenTwice();
+  const std::size_t jump = keys.size() / 2;
+  JumpSearch search = searchFor();
+  search.addFoundPlace(keys[jump].stamp_ns, Pose2{});  // the drive was given as it was
+  EXPECT_TRUE(search.isShownBy(keys, samePlace(keys, 2), jump));
+  search.addFoundPlace(keys[jump].stamp_ns, kWrong);
+  EXPECT_FALSE(search.isShownBy(keys, samePlace(keys, 3), jump));
+  search.addFoundPlace(keys[jump].stamp_ns - 1'000'000'000'000, Pose2{});  // before the jump
+  EXPECT_FALSE(search.isShownBy(keys, samePlace(keys, 3), jump));
+}
+
 TEST(JumpSearch, DoesNotBelieveTwoPlacesThatContradictEachOther) {
   const std::vector<KeyScan> keys = drivenTwice();
   const std::size_t jump = keys.size() / 2;

@@ -197,6 +197,26 @@ TEST(KeyScans, SuspectItWhereScansAreMissingForLongAndKeepTheFirstOneAfterwards)
   EXPECT_THAT(possibleJumps(carriedAway(0)), testing::IsEmpty());
 }
 
+TEST(KeyScans, SuspectTheOneThatMeetsThoseBeforeTheLeastWhileTheEstimatorCameToBeLost) {
+  KeyScans scans = carriedAway(4);
+  scans.addPossibleJump(10'000'000'001 - 3'000'000'000, 10'000'000'000 + 15);
+  ASSERT_EQ(possibleJumps(scans).size(), 1U);
+  const KeyScan& jump = scans.keys()[possibleJumps(scans).front()];
+  EXPECT_GT(jump.stamp_ns, 10'000'000'001);
+  EXPECT_LE(jump.stamp_ns, 10'000'000'001 + 4);
+}
+
+TEST(KeyScans, WaitForTheKeyScanAfterThatBeforeTheySuspectOne) {
+  KeyScans scans = carriedAway(0);
+  const Pose2 last = scans.keys().back().odom_from_base();
+  const std::int64_t lost_ns = scans.newestStampNs() + 1;
+  scans.addPossibleJump(scans.newestStampNs(), lost_ns);
+  EXPECT_THAT(possibleJumps(scans), IsEmpty());
+  const Pose2 next = last * Pose2{0.5, 0.0, 0.0};
+  ASSERT_TRUE(scans.add(scanWalls(pillarRoom(), next, lost_ns + 1), {}, next));
+  EXPECT_THAT(possibleJumps(scans), testing::ElementsAre(scans.keys().size() - 1));
+}
+
 TEST(KeyScans, ForgetTheMotionOfAJumpAndMoveThePartOfTheDriveSince) {
   KeyScans scans = carriedAway(20);
   const std::vector<KeyScan> before = scans.keys();

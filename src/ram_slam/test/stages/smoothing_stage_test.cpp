@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ram_slam/stages/smoothing_stage.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -145,6 +146,13 @@ TEST(SmoothingStage, GoesOnWhileTheEstimatorIsLost) {
   }
   EXPECT_EQ(stage.drops().total(), 0u);
   EXPECT_NEAR(stage.smoother().trajectory().back().pose.y_m, 0.0, 0.01);
+  // The robot may have been carried when it came to be lost.
+  const std::vector<KeyScan>& keys = stage.smoother().keyScans();
+  const auto jump =
+      std::find_if(keys.begin(), keys.end(), [](const KeyScan& key) { return key.may_be_jump; });
+  ASSERT_NE(jump, keys.end());
+  EXPECT_GT(jump->stamp_ns, scanAt(4).scan.stamp_ns);
+  EXPECT_FALSE(jump->is_jump);
 }
 
 TEST(SmoothingStage, ContinuesALoadedMapOnceTheRobotIsFoundInIt) {

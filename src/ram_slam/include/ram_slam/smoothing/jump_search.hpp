@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -35,8 +36,9 @@ struct JumpSearchParameters {
 ///
 /// A jump is possible where scans are missing for long or do not meet those before
 /// (KeyScan::may_be_jump). The key scans after it are compared with all before it by the shape of
-/// what they see, in any heading. The robot was carried if two places, well apart, agree with each
-/// other and not with the poses, and enough of the other key scans since then fit there, too.
+/// what they see, in any heading. The robot was carried if two places, well apart, or one place and
+/// the estimator that found the robot, agree with each other and not with the poses, and enough of
+/// the other key scans since then fit there, too.
 class JumpSearch {
 public:
   JumpSearch(const JumpSearchParameters& parameters,
@@ -51,11 +53,26 @@ public:
   /// Key scans before a jump whose shape is most like that of the newest one, one of each stretch.
   std::vector<std::size_t> alikePlaces(const std::vector<KeyScan>& key_scans, std::size_t jump);
 
+  /// The estimator, which was lost, has found the robot.
+  /// \param map_from_odom  of the trajectory that was given, by the place found
+  void addFoundPlace(std::int64_t stamp_ns, const Pose2& map_from_odom) {
+    found_ = FoundPlace{stamp_ns, map_from_odom};
+  }
+
   /// Whether a match of key scans on both sides of a jump, which contradicts the poses, shows that
   /// the robot was carried; if not it is kept to support later ones.
   bool isShownBy(const std::vector<KeyScan>& key_scans, const LoopMatch& match, std::size_t jump);
 
 private:
+  struct FoundPlace {
+    std::int64_t stamp_ns = 0;
+    Pose2 map_from_odom;
+  };
+
+  /// Whether the estimator has found the robot, since a jump, where this match puts it.
+  bool isWhereFound(const std::vector<KeyScan>& key_scans,
+                    const LoopMatch& match,
+                    std::size_t jump) const;
   /// Whether a match that was kept agrees with this one.
   bool isSupported(const std::vector<KeyScan>& key_scans,
                    const LoopMatch& match,
@@ -70,6 +87,7 @@ private:
   ScanMatcherParameters matcher_;
   std::vector<PlaceDescriptor> descriptors_;  // of the key scans
   std::vector<LoopMatch> unsupported_;
+  std::optional<FoundPlace> found_;
 };
 
 }  // namespace ram_slam

@@ -18,10 +18,11 @@ struct KeyScan {
   std::int64_t stamp_ns = 0;
   SurfaceScan surfaces;
   Pose2 base_from_laser;
-  Pose2 odom_from_laser;  ///< as it was given
-  Pose2 map_from_laser;   ///< as it is corrected
-  /// Before it scans are missing for long, or it does not meet those before: the robot may have
-  /// been carried here.
+  Pose2 odom_from_laser;      ///< as it was given
+  Pose2 map_from_laser;       ///< as it is corrected
+  double inlier_ratio = 1.0;  ///< share of its points that meet the key scans before
+  /// Before it scans are missing for long, it does not meet those before, or the estimator came to
+  /// be lost: the robot may have been carried here.
   bool may_be_jump = false;
   bool is_jump = false;  ///< it was: nothing measures the motion from the key scan before
   /// The robot was found here after it had been lost: its place is measured, the motion is not.

@@ -81,6 +81,10 @@ public:
   /// the base in the frame of the corrected one.
   void startSession() { starts_session_ = true; }
 
+  /// The robot may have been carried between these stamps: to the key scan there, or the next one
+  /// after them, that meets those before it the least.
+  void addPossibleJump(std::int64_t from_ns, std::int64_t until_ns);
+
   /// \param odom_from_base  the given trajectory at the scan's stamp
   /// \return whether it is a key scan; it is then the last of keys()
   /// \throws std::invalid_argument, the state untouched, if the scan cannot be used, a pose is not
@@ -121,7 +125,14 @@ private:
     Pose2 base_from_laser;
   };
 
+  struct StampInterval {
+    std::int64_t from_ns = 0;
+    std::int64_t until_ns = 0;
+  };
+
   bool isKeyScan(const Pose2& odom_from_base) const;
+  /// If there is a key scan after the interval of a possible jump.
+  void placePossibleJump();
   bool isBetweenScan(const Pose2& odom_from_base) const;
   SurfaceScan surfacesOf(const LaserScan& scan,
                          const Pose2& base_from_laser,
@@ -160,7 +171,8 @@ private:
   double min_inlier_ratio_;
   NearViewParameters near_views_;
   bool starts_session_ = false;
-  std::size_t session_begin_ = 0;         ///< its first key scan
+  std::optional<StampInterval> possible_jump_;  ///< until the next key scan after it comes
+  std::size_t session_begin_ = 0;               ///< its first key scan
   std::optional<std::size_t> unmet_key_;  ///< the first in a row that does not meet those before
   std::vector<ScanRecord> scans_;
   std::vector<BetweenScan> between_scans_;

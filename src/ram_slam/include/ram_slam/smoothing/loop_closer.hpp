@@ -61,6 +61,10 @@ public:
 
   /// Features in the base frame at a scan's stamp, before the scan or soon after.
   void addFeatures(const FeatureList& list);
+  /// As JumpSearch::addFoundPlace().
+  void addFoundPlace(std::int64_t stamp_ns, const Pose2& map_from_odom) {
+    jumps_.addFoundPlace(stamp_ns, map_from_odom);
+  }
   /// Gives the newest key scan its features if they are known.
   void useFeatures(const std::vector<KeyScan>& key_scans);
 

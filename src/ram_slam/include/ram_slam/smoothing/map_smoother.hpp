@@ -75,6 +75,15 @@ public:
   void load(const std::vector<PlacedScan>& scans) { key_scans_.load(scans); }
   /// As KeyScans::startSession().
   void startSession() { key_scans_.startSession(); }
+  /// As KeyScans::addPossibleJump().
+  void addPossibleJump(std::int64_t from_ns, std::int64_t until_ns) {
+    key_scans_.addPossibleJump(from_ns, until_ns);
+  }
+
+  /// As JumpSearch::addFoundPlace().
+  void addFoundPlace(std::int64_t stamp_ns, const Pose2& map_from_odom) {
+    loops_.addFoundPlace(stamp_ns, map_from_odom);
+  }
 
   /// Features of a scan, given before it or soon after, in the base frame at the scan's stamp;
   /// those of scans that are no key scans are left out.

@@ -40,8 +40,9 @@ public:
   void addFeatures(const FeatureList& list) { smoother_.addFeatures(list); }
 
   /// The robot came to be lost, or was found. In a loaded map nothing is taken in before the robot
-  /// was found there. After that scans are taken in whether the estimator is lost or not: whether
-  /// the robot was carried is decided by the scans themselves (JumpSearch).
+  /// was found there. After that scans are taken in whether the estimator is lost or not: that it
+  /// is lost shows where the robot may have been carried; whether it was is decided by the scans
+  /// (JumpSearch).
   void set(const Tracking& tracking);
 
   /// Takes in the next scan whose odometry is known; nothing if it still waits.
@@ -71,6 +72,7 @@ private:
   MapSmoother smoother_;
   TrackingGate gate_;
   std::optional<Tracking> found_;  ///< where it was found, until the next scan
+  bool starts_session_ = false;    ///< at that place, in a loaded map
   Pose2 smoothed_from_odom_;
   int reset_count_ = 0;  ///< that smoother_ has followed
 };
