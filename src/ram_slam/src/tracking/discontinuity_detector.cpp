@@ -64,11 +64,12 @@ DiscontinuityDetector::Finding DiscontinuityDetector::compare(const TrackedView&
   }
   if (contradicting_since_ns_ == 0) {
     contradicting_since_ns_ = now.stamp_ns;
-    contradicts_at_once_ = contradictsViewBefore(now);
+    step_ratio_ = stepRatio(now);
   }
   if (now.stamp_ns < contradicting_since_ns_ + toNanoseconds(parameters_.contradicting_s))
     return Finding::kNothing;
-  if (*ratio > (contradicts_at_once_ ? parameters_.sharp_share : 1.0) * threshold_ratio_)
+  const double sharp_ratio = parameters_.sharp_share * threshold_ratio_;
+  if (*ratio > (step_ratio_ > sharp_ratio ? sharp_ratio : threshold_ratio_))
     return Finding::kCarriedAway;
   const bool was_suspicious = suspicious(now.stamp_ns);
   suspicious_until_ns_ = now.stamp_ns + toNanoseconds(parameters_.suspicious_s);
@@ -89,10 +90,8 @@ std::optional<double> DiscontinuityDetector::leastContradictionRatio(const Track
   return least;
 }
 
-bool DiscontinuityDetector::contradictsViewBefore(const TrackedView& now) const {
-  if (views_.empty()) return false;
-  const auto ratio = discontinuity(views_.back(), now);
-  return ratio && *ratio > parameters_.sharp_share * threshold_ratio_;
+double DiscontinuityDetector::stepRatio(const TrackedView& now) const {
+  return views_.empty() ? 0.0 : discontinuity(views_.back(), now).value_or(0.0);
 }
 
 void DiscontinuityDetector::add(TrackedView view) {

@@ -90,8 +90,10 @@ PoseMonitor::Finding PoseMonitor::check(const LostDetector::Reading& reading,
   if (finding == DiscontinuityDetector::Finding::kCarriedAway) return Finding::kDiscontinuity;
   if (viewsContradictMap(pose, map_views)) return Finding::kMapContradicts;
   const bool suspicious = discontinuities_.suspicious(pose.now.stamp_ns);
-  return landmarks_.lost(suspicious) && !viewAgreesWithMap(pose, map_views)
-             ? Finding::kMapContradicts
+  if (landmarks_.lost(suspicious) && !viewAgreesWithMap(pose, map_views))
+    return Finding::kMapContradicts;
+  return finding == DiscontinuityDetector::Finding::kSuspicious && discontinuities_.changedAtOnce()
+             ? Finding::kDoubtful
              : Finding::kConsistent;
 }
 

@@ -79,8 +79,15 @@ void Tracker::track(const FeatureList& list, const Pose2& moved, const TrackedVi
   const Pose2 here = filter_->estimate().pose;
   switch (monitor_.check({list, now.view.get(), filter_->best(), registry},
                          {now, here, path_m_, poseSource()}, map_views_)) {
+    case PoseMonitor::Finding::kDoubtful:
+      if (std::holds_alternative<Tracked>(state_)) transition(TrackingEvent::kDoubted);
+      [[fallthrough]];
     case PoseMonitor::Finding::kConsistent:
-      keep(now);
+      if (isElsewhere(list, moved, now)) {
+        transition(TrackingEvent::kFoundElsewhere);
+      } else {
+        keep(now);
+      }
       break;
     case PoseMonitor::Finding::kMapContradicts:
       transition(TrackingEvent::kMapContradicted);
@@ -96,6 +103,23 @@ void Tracker::track(const FeatureList& list, const Pose2& moved, const TrackedVi
       }
       break;
   }
+}
+
+bool Tracker::isElsewhere(const FeatureList& list, const Pose2& moved, const TrackedView& now) {
+  if (!isDoubted()) return false;
+  auto& probation = std::get<Probation>(state_);
+  Relocaliser& relocaliser = *probation.relocaliser;
+  relocaliser.add(list, moved, now.view);
+  if (!relocaliser.isDue()) return false;
+  const Pose2 here = filter_->estimate().pose;
+  const auto place = relocaliser.search(
+      {mapConstellation(*probation.before.filter), map_views_, here, local_from_base_});
+  if (!place) return false;
+  const MotionGate drift{parameters_.monitor.max_drift_m, parameters_.monitor.max_drift_rad};
+  if (drift.isReachedBy(here.inverse() * place->pose)) return true;
+  probation.relocaliser.reset();
+  probation.remaining_m = 0.0;
+  return false;
 }
 
 void Tracker::keep(const TrackedView& now) {
@@ -134,8 +158,8 @@ void Tracker::search(const FeatureList& list,
   if (lost.relocaliser.isDue()) {
     std::optional<Pose2> expected;
     if (lost.may_be_false_alarm) expected = lost.map_from_base;
-    const auto place =
-        lost.relocaliser.search({mapConstellation(), map_views_, expected, local_from_base_});
+    const auto place = lost.relocaliser.search(
+        {mapConstellation(*filter_), map_views_, expected, local_from_base_});
     if (place) {
       transition(TrackingEvent::kPlaceFound, *place);
       return;
@@ -178,7 +202,7 @@ void Tracker::transition(TrackingEvent event, const PoseWithCovariance2& pose) {
       state_ = Tracked{{copyOfNow()}};
       break;
     case TrackingEvent::kTrajectoryFollowed:
-      state_ = Tracked{};
+      if (!isDoubted()) state_ = Tracked{};
       break;
     case TrackingEvent::kDisturbanceOver:
       state_ = Tracked{{moveTo(pose)}};
@@ -196,6 +220,12 @@ void Tracker::transition(TrackingEvent event, const PoseWithCovariance2& pose) {
     case TrackingEvent::kPoseSetBeforeStart:
       filter_->setPose(pose);
       state_ = Tracked{};
+      break;
+    case TrackingEvent::kDoubted:
+      state_ = doubted();
+      break;
+    case TrackingEvent::kFoundElsewhere:
+      state_ = foundElsewhere(*std::get<Probation>(state_).relocaliser);
       break;
     case TrackingEvent::kCarriedAway:
       state_ = loseTrack(LostReason::kDiscontinuity);
@@ -265,6 +295,31 @@ Lost Tracker::interrupted(const Lost& lost) const {
           Relocaliser(parameters_.relocaliser, matchers_)};
 }
 
+Probation Tracker::doubted() const {
+  const FilterCopy* oldest = oldestCopy();
+  return {oldest == nullptr ? copyOfNow() : *oldest, PoseSource::kTracking,
+          parameters_.tracking.probation_m, Relocaliser(parameters_.relocaliser, matchers_)};
+}
+
+Lost Tracker::foundElsewhere(Relocaliser relocaliser) {
+  // It is no false alarm, and the place is found once more before it counts.
+  Lost lost = interrupted(loseTrack(LostReason::kDiscontinuity));
+  lost.relocaliser = std::move(relocaliser);
+  return lost;
+}
+
+bool Tracker::isDoubted() const {
+  const auto* probation = std::get_if<Probation>(&state_);
+  return probation != nullptr && probation->relocaliser;
+}
+
+FilterCopy Tracker::bent(const FilterCopy& copy, const Trajectory& smoothed) {
+  std::unique_ptr<LandmarkFilter> filter = copy.filter->clone();
+  filter->followTrajectory(smoothed);
+  const Pose2 map_from_base = filter->estimate().pose;
+  return {std::move(filter), map_from_base, copy.local_from_base, copy.stamp_ns};
+}
+
 FilterCopy Tracker::copyOfNow() const {
   return {filter_->clone(), filter_->estimate().pose, local_from_base_, stamp_ns_};
 }
@@ -275,12 +330,12 @@ const FilterCopy* Tracker::oldestCopy() const {
   return tracked == nullptr || tracked->copies.empty() ? nullptr : &tracked->copies.front();
 }
 
-Constellation Tracker::mapConstellation() const {
+Constellation Tracker::mapConstellation(const LandmarkFilter& filter) {
   Constellation map;
-  for (const LandmarkEstimate& estimate : filter_->landmarks().landmarks) {
-    if (estimate.existence_log_odds < filter_->confirm_log_odds()) continue;
+  for (const LandmarkEstimate& estimate : filter.landmarks().landmarks) {
+    if (estimate.existence_log_odds < filter.confirm_log_odds()) continue;
     map.push_back({estimate.type, estimate.mean_m, estimate.covariance_m2,
-                   filter_->registry().find(estimate.id)->descriptors, estimate.orientation_rad,
+                   filter.registry().find(estimate.id)->descriptors, estimate.orientation_rad,
                    estimate.orientation_variance_rad2});
   }
   return map;
@@ -311,7 +366,10 @@ void Tracker::setPose(const PoseWithCovariance2& map_from_base) {
 Pose2 Tracker::followTrajectory(const Trajectory& smoothed) {
   if (lost()) throw std::runtime_error("the robot is lost: its map stays as it is");
   if (filter_->isMapFixed()) throw std::runtime_error("the map is fixed");
+  std::optional<FilterCopy> before;
+  if (isDoubted()) before = bent(std::get<Probation>(state_).before, smoothed);
   const Pose2 map_from_smoothed = filter_->followTrajectory(smoothed);
+  if (before) std::get<Probation>(state_).before = *std::move(before);
   map_views_.follow(filter_->trajectory());
   monitor_.clearMapEvidence();
   transition(TrackingEvent::kTrajectoryFollowed);

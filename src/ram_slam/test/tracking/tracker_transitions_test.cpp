@@ -118,6 +118,67 @@ TEST_F(TrackerTransitions, FromTrackedOrProbationToTrackedWithoutCopiesByATrajec
   EXPECT_TRUE(state<Tracked>()->copies.empty());
 }
 
+/// A corridor with niches, in which places five metres apart look nearly alike.
+class CarriedAlongACorridor : public TrackerTransitions {
+protected:
+  CarriedAlongACorridor() {
+    corners_m_ = {{0.0, 0.0}, {24.0, 0.0}, {24.0, 3.0}};
+    for (const double niche_m : {21.5, 17.9, 12.6, 8.8, 5.0, 1.7}) {
+      corners_m_.insert(
+          corners_m_.end(),
+          {{niche_m + 1.0, 3.0}, {niche_m + 1.0, 3.8}, {niche_m, 3.8}, {niche_m, 3.0}});
+    }
+    corners_m_.emplace_back(0.0, 3.0);
+    walls_ = outline(corners_m_);
+    look({});
+    drive(20.0);
+    drive(-16.0);
+  }
+
+  void carry(double way_m) {
+    truth_ = truth_ * Pose2{way_m, 0.0, 0.0};
+    for (int i = 0; i < 20 && state<Tracked>() != nullptr; ++i) look({kStep_m, 0.0, 0.0});
+  }
+};
+
+TEST_F(CarriedAlongACorridor, FromTrackedToProbationWithTheMapFromBefore) {
+  const std::int64_t carried_ns = odometry_.stamp_ns();
+  carry(5.3);
+  ASSERT_NE(state<Probation>(), nullptr);
+  EXPECT_TRUE(state<Probation>()->relocaliser);
+  EXPECT_EQ(state<Probation>()->source, PoseSource::kTracking);
+  EXPECT_LE(state<Probation>()->before.stamp_ns, carried_ns);
+}
+
+TEST_F(CarriedAlongACorridor, FromProbationToLostAndBackToProbationWhereItIs) {
+  carry(5.3);
+  for (int i = 0; i < 100 && !slam_.lost(); ++i) look({kStep_m, 0.0, 0.0});
+  ASSERT_NE(state<Lost>(), nullptr);
+  EXPECT_EQ(state<Lost>()->reason, LostReason::kDiscontinuity);
+  EXPECT_FALSE(state<Lost>()->may_be_false_alarm);
+  for (int i = 0; i < 60 && slam_.lost(); ++i) look({kStep_m, 0.0, 0.0});
+  ASSERT_NE(state<Probation>(), nullptr);
+  EXPECT_EQ(state<Probation>()->source, PoseSource::kMap);
+  EXPECT_LT(error_m(), 0.1);
+}
+
+TEST_F(CarriedAlongACorridor, ADoubtOutlivesACorrectedTrajectory) {
+  carry(5.3);
+  slam_.followTrajectory(slam_.filter().trajectory());
+  ASSERT_NE(state<Probation>(), nullptr);
+  EXPECT_TRUE(state<Probation>()->relocaliser);
+  for (int i = 0; i < 100 && !slam_.lost(); ++i) look({kStep_m, 0.0, 0.0});
+  EXPECT_TRUE(slam_.lost());
+}
+
+TEST_F(CarriedAlongACorridor, ARobotThatIsWhereItShouldBeIsNotDoubtedForLong) {
+  carry(5.3);
+  truth_ = truth_ * Pose2{-5.3, 0.0, 0.0};  // it was a scan of another robot
+  drive(8.0);
+  EXPECT_FALSE(slam_.lost());
+  EXPECT_LT(error_m(), 0.1);
+}
+
 TEST_F(TrackerTransitions, FromLostToTrackedWhenADisturbanceIsOver) {
   mapTheRoom();
   const Pose2 here = truth_;

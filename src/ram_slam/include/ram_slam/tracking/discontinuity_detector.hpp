@@ -56,20 +56,25 @@ public:
   void add(TrackedView view);
   /// Whether a small contradiction was found recently.
   bool suspicious(std::int64_t now_ns) const { return now_ns <= suspicious_until_ns_; }
+  /// Whether the newest contradiction came from one view to the next, which people seldom bring
+  /// about.
+  bool changedAtOnce() const {
+    return step_ratio_ > parameters_.suspicious_share * threshold_ratio_;
+  }
   /// Of the last second, oldest first.
   const std::deque<TrackedView>& views() const { return views_; }
   void clear();
 
 private:
   std::optional<double> leastContradictionRatio(const TrackedView& now) const;
-  /// Whether the view contradicts the one right before it, which people seldom bring about.
-  bool contradictsViewBefore(const TrackedView& now) const;
+  /// The share in which the view contradicts the one right before it.
+  double stepRatio(const TrackedView& now) const;
 
   double threshold_ratio_;
   DiscontinuityParameters parameters_;
   std::deque<TrackedView> views_;
   std::int64_t contradicting_since_ns_ = 0;  ///< 0: recent views agree
-  bool contradicts_at_once_ = false;         ///< from one view to the next
+  double step_ratio_ = 0.0;                  ///< when that began
   std::int64_t suspicious_until_ns_ = 0;
 };
 

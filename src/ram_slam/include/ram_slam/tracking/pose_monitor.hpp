@@ -49,6 +49,7 @@ class PoseMonitor {
 public:
   enum class Finding {
     kConsistent,
+    kDoubtful,        ///< views changed at once, by less than most places differ
     kDiscontinuity,   ///< views show two places: a slip, or the robot was carried away
     kMapContradicts,  ///< landmarks or views of the map are not where they should be
   };

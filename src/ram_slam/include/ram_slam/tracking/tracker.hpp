@@ -87,6 +87,8 @@ private:
   void track(const FeatureList& list, const Pose2& moved, const TrackedView& now);
   /// Takes in one reading of a lost robot.
   void search(const FeatureList& list, const PoseWithCovariance2& moved, const TrackedView& now);
+  /// Whether a robot whose pose is doubted is found at another place of the map.
+  bool isElsewhere(const FeatureList& list, const Pose2& moved, const TrackedView& now);
   /// A reading that was consistent: keeps what later ones are compared with, and copies.
   void keep(const TrackedView& now);
   /// Whether a lost robot is where its odometry leads, after all.
@@ -103,10 +105,18 @@ private:
   /// Sets the map back to the oldest copy, unless that is the caller's wish.
   Lost loseTrack(LostReason reason);
   Lost interrupted(const Lost& lost) const;
+  /// The pose stays; what is learned from now on can be taken back.
+  Probation doubted() const;
+  /// Sets the map back to before the doubt. \param relocaliser  goes on searching
+  Lost foundElsewhere(Relocaliser relocaliser);
+  /// Whether the robot is searched for elsewhere.
+  bool isDoubted() const;
+  /// The same copy with its map bent along a smoothed trajectory.
+  static FilterCopy bent(const FilterCopy& copy, const Trajectory& smoothed);
   FilterCopy copyOfNow() const;
   /// From before anything that may be wrong; null if there is none.
   const FilterCopy* oldestCopy() const;
-  Constellation mapConstellation() const;
+  static Constellation mapConstellation(const LandmarkFilter& filter);
 
   LandmarkFilterFactory make_;
   RecoveryParameters parameters_;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <variant>
 
 #include "ram_slam/fast_slam/landmark_filter.hpp"
@@ -35,11 +36,14 @@ struct Tracked {
   std::deque<FilterCopy> copies;  ///< from certain moments, oldest first
 };
 
-/// The robot's pose is newly set and may be wrong: the map from before is kept for so long.
+/// The robot's pose is newly set or doubted and may be wrong: the map from before is kept for so
+/// long.
 struct Probation {
   FilterCopy before;
   PoseSource source = PoseSource::kMap;
   double remaining_m = 0.0;  ///< of driving
+  /// Of a pose that is doubted: looks for the robot in the map from before.
+  std::optional<Relocaliser> relocaliser = {};
 };
 
 /// The robot does not know where it is; the map is not written to.
@@ -60,6 +64,8 @@ enum class TrackingEvent {
   kSlipped,              ///< a small motion that odometry missed explains a discontinuity
   kCarriedAway,          ///< no small motion explains it
   kMapContradicted,      ///< the map denies the pose
+  kDoubted,              ///< views changed at once: it may have been carried to a similar place
+  kFoundElsewhere,       ///< two tries found a robot whose pose is doubted at another place
   kProbationPassed,      ///< the way of a probation is driven, and no view contradicts the map
   kOdometryInterrupted,  ///< the motion since the last reading is not known well
   kDisturbanceOver,      ///< everything appears as before the discontinuity
