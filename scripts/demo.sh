@@ -10,7 +10,7 @@ source devel/setup.bash
 output=${OUTPUT:-results/demo}
 mkdir -p "$output"
 output=$(cd "$output" && pwd)
-rm -f "$output"/{map.pgm,map.yaml,map.png,*.tum,landmarks.yaml,summary.json,run.bag,run.bag.active}
+rm -f "$output"/{map.pgm,map.yaml,map.png,*.tum,landmarks.yaml,summary.json,report.html,run.bag,run.bag.active}
 
 port=$(/usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
 export ROS_MASTER_URI=http://localhost:$port

@@ -73,6 +73,25 @@ nlohmann::ordered_json cost(double recorded_s) {
           {"peak_memory_mb", static_cast<double>(usage.ru_maxrss) / 1024.0}};
 }
 
+/// What the report states about this run.
+void describe(const Options& options,
+              const ramscout_bringup::Recording& recording,
+              ramscout_bringup::Results& results) {
+  results.scan_count = recording.scanCount();
+  const std::filesystem::path input =
+      std::filesystem::path(options.input + "/").parent_path();  // without a slash at the end
+  results.about = {
+      {"recording", input.filename().string()},
+      {"made by", "run_bag"},
+      {"estimator", options.estimator},
+      {"settings", options.live_settings ? "those of the live nodes" : "for recordings"}};
+  if (options.wheels_only) results.about.emplace_back("laser odometry", "off");
+  if (options.no_smoothing) results.about.emplace_back("smoothing", "off");
+  if (stop_requested != 0) results.about.emplace_back("stopped", "before the end");
+  results.changed_parameters =
+      ramscout_bringup::changedParameters(options.config, options.estimator);
+}
+
 /// Maps a recording. What only the mapping needs is released at the end of it.
 ramscout_bringup::Results map(ramscout_bringup::Recording& recording, const Options& options) {
   auto parameters = ramscout_bringup::readSlamParameters(options.config, options.estimator);
@@ -89,6 +108,7 @@ ramscout_bringup::Results map(ramscout_bringup::Recording& recording, const Opti
     std::cout << notes.back() << "\n";
   }
   results.summary["notes"] = notes;
+  describe(options, recording, results);
   return results;
 }
 

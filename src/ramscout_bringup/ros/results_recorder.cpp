@@ -72,6 +72,12 @@ ResultsRecorder::ResultsRecorder(ResultsRecorderParameters parameters)
         ground_truth_.push_back(toStampedPose(message->header, message->pose.pose));
       },
       {}, hints));
+  listen(node_.subscribe<nav_msgs::Odometry>(
+      "odom", 1000,
+      [this](const auto& message) {
+        odometry_.push_back(toStampedPose(message->header, message->pose.pose));
+      },
+      {}, hints));
   listen(node_.subscribe<std_msgs::Float32>(
       "tour_progress", 1, [this](const auto& message) { progress_ = message->data; }, {}, hints));
 }
@@ -187,6 +193,15 @@ ramscout_bringup::Results ResultsRecorder::results() const {
   run.trajectory = toTrajectory(*path_);
   run.trajectory_online = online_;
   run.ground_truth = ground_truth_;
+  run.odometry = odometry_;
+  run.about = {{"recording", "Run of the live nodes"}, {"made by", "record_results"}};
+  const auto addRate = [&run](const char* topic, const ramscout_bringup::Trajectory& poses) {
+    ramscout_bringup::RateCounter rate;
+    for (const auto& pose : poses) rate.add(pose.stamp_ns);
+    run.measurements.push_back({topic, "1/s", "Messages by their stamps.", rate.perSecond()});
+  };
+  addRate("pose", online_);
+  addRate("odom", odometry_);
   return run;
 }
 

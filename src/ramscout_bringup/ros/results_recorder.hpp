@@ -70,6 +70,7 @@ private:
   std::optional<ram_slam_msgs::LandmarkMap> landmarks_;
   ramscout_bringup::Trajectory online_;
   ramscout_bringup::Trajectory ground_truth_;
+  ramscout_bringup::Trajectory odometry_;
   double progress_ = 0.0;
   ros::WallTime started_;
 };

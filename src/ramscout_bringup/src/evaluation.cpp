@@ -189,6 +189,16 @@ TruthComparison compareWithTruth(const Trajectory& estimate, const Trajectory& t
   return comparison;
 }
 
+Trajectory truthInMap(const Trajectory& estimate, Trajectory truth) {
+  try {
+    const Pose2 map_from_truth = compareWithTruth(estimate, truth).truth_from_map.inverse();
+    for (StampedPose2& pose : truth) pose.pose = map_from_truth * pose.pose;
+  } catch (const std::invalid_argument&) {
+    truth.clear();
+  }
+  return truth;
+}
+
 std::vector<RelativeError> relativeErrors(const Trajectory& estimate,
                                           const Trajectory& truth,
                                           const std::vector<double>& lengths_m,

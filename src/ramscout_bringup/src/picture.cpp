@@ -48,23 +48,9 @@ struct Scene {
   Box box;
 };
 
-Trajectory truthInMap(const Results& results) {
-  if (results.ground_truth.empty() || results.trajectory.empty()) return {};
-  Trajectory truth = results.ground_truth;
-  try {
-    const Pose2 map_from_truth =
-        compareWithTruth(results.trajectory, truth).truth_from_map.inverse();
-    for (auto& pose : truth) pose.pose = map_from_truth * pose.pose;
-  } catch (const std::invalid_argument&) {
-    return {};  // nothing in common to align them by
-  }
-  return truth;
-}
-
-Scene sceneOf(const Results& results, double margin_m) {
-  Scene scene{results, truthInMap(results), {}};
-  const OccupancyGrid& map = results.map;
-  Box known;  // in cells
+/// Around all cells that are known, in cells.
+Box knownCells(const OccupancyGrid& map) {
+  Box known;
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
       if (map.at(x, y) == ram_slam::kUnknownCell) continue;
@@ -72,6 +58,13 @@ Scene sceneOf(const Results& results, double margin_m) {
       known.include(Eigen::Vector2d(x + 1, y + 1));
     }
   }
+  return known;
+}
+
+Scene sceneOf(const Results& results, double margin_m) {
+  Scene scene{results, truthInMap(results.trajectory, results.ground_truth), {}};
+  const OccupancyGrid& map = results.map;
+  const Box known = knownCells(map);
   if (known.low.x() <= known.high.x()) {
     for (const double x : {known.low.x(), known.high.x()}) {
       for (const double y : {known.low.y(), known.high.y()})
@@ -224,8 +217,9 @@ std::string toPng(const cv::Mat& image) {
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.cols);
   header.height = static_cast<png_uint_32>(image.rows);
-  header.format = PNG_FORMAT_BGR;
-  header.flags = PNG_IMAGE_FLAG_FAST;
+  const bool is_grey = image.channels() == 1;
+  header.format = is_grey ? PNG_FORMAT_GRAY : PNG_FORMAT_BGR;
+  header.flags = is_grey ? 0 : PNG_IMAGE_FLAG_FAST;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::string png(size, '\0');
   const int row_bytes = static_cast<int>(image.step);
@@ -235,7 +229,46 @@ std::string toPng(const cv::Mat& image) {
   return png;
 }
 
+/// \param step  cells that become a pixel, each way: the most occupied one counts
+cv::Mat greyMap(const OccupancyGrid& map, const cv::Rect& cells, int step) {
+  cv::Mat image((cells.height + step - 1) / step, (cells.width + step - 1) / step, CV_8UC1,
+                cv::Scalar(kUnknown[0]));
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      std::int8_t value = ram_slam::kUnknownCell;
+      for (int v = 0; v < step; ++v) {
+        for (int u = 0; u < step; ++u)
+          value = std::max(value, map.at(cells.x + x * step + u, cells.y + y * step + v));
+      }
+      if (value == ram_slam::kUnknownCell) continue;
+      const double occupancy = std::clamp<int>(value, 0, 100) / 100.0;
+      image.at<unsigned char>(image.rows - 1 - y, x) =
+          cv::saturate_cast<unsigned char>(kFree[0] + (kOccupied[0] - kFree[0]) * occupancy);
+    }
+  }
+  return image;
+}
+
 }  // namespace
+
+MapImage drawMapImage(const OccupancyGrid& map, std::size_t max_bytes, int max_edge_px) {
+  const Box known = knownCells(map);
+  if (known.low.x() > known.high.x()) return {};
+  const Eigen::Vector2i low = known.low.cast<int>();
+  const Eigen::Vector2i size = (known.high - known.low).cast<int>();
+  const cv::Rect cells(low.x(), low.y(), size.x(), size.y());
+  MapImage result;
+  int step = (size.maxCoeff() + max_edge_px - 1) / max_edge_px;
+  result.png = toPng(greyMap(map, cells, step));
+  while (result.png.size() > max_bytes && step < size.maxCoeff()) {
+    step *= 2;
+    result.png = toPng(greyMap(map, cells, step));
+  }
+  result.resolution_m = map.resolution_m * step;
+  const Eigen::Vector2d corner_m = map.resolution_m * known.low;
+  result.map_from_image = map.map_from_grid * Pose2{corner_m.x(), corner_m.y(), 0.0};
+  return result;
+}
 
 std::string drawPicture(const Results& results, const PictureLayout& layout) {
   const Scene scene = sceneOf(results, layout.margin_m);

@@ -6,6 +6,7 @@
 #include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/occupancy/map_file.hpp"
 #include "ramscout_bringup/picture.hpp"
+#include "ramscout_bringup/report.hpp"
 
 namespace ramscout_bringup {
 
@@ -43,6 +44,7 @@ void writeResults(const Results& results, const std::string& folder) {
   if (!results.pose_graph_g2o.empty()) write("pose_graph.g2o", results.pose_graph_g2o);
   write("landmarks.yaml", toYaml(results.landmarks));
   write("summary.json", results.summary.dump(2) + "\n");
+  write("report.html", toHtml(results));
 }
 
 }  // namespace ramscout_bringup

@@ -2,7 +2,10 @@
 #include "ramscout_bringup/run_report.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+
+#include <Eigen/Eigenvalues>
 
 #include "ram_slam/calibration/mount_calibration.hpp"
 #include "ramscout_bringup/evaluation.hpp"
@@ -73,14 +76,51 @@ ordered_json LossRecord::toJson() const {
   return list;
 }
 
+std::vector<ClosureRecord> closureRecords(const ram_slam::MapSmoother& smoother) {
+  std::vector<ClosureRecord> records;
+  for (const ram_slam::LoopClosure& closure : smoother.closures()) {
+    if (closure.state == ram_slam::ClosureState::kRefused) continue;
+    records.push_back({closure.old_stamp_ns, closure.new_stamp_ns, closure.score,
+                       closure.inlier_ratio, closure.correction_m,
+                       closure.state == ram_slam::ClosureState::kAccepted});
+  }
+  return records;
+}
+
 void RunReport::addWheels(const ram_slam::StampedPose2& odom_from_base) {
+  wheel_rate_.add(odom_from_base.stamp_ns);
   if (wheels_.empty() || odom_from_base.stamp_ns - wheels_.back().stamp_ns >= kCalibrationStepNs)
     wheels_.push_back(odom_from_base);
 }
 
-void RunReport::addFeatures(std::size_t count) {
-  feature_count_ += count;
+void RunReport::addStep(const ram_slam::OdometryStep& step, bool is_refined) {
+  scan_rate_.add(step.scan.scan.stamp_ns);
+  if (is_refined)
+    inliers_.samples.push_back({step.scan.scan.stamp_ns, 100.0 * step.estimate.inlier_ratio});
+}
+
+void RunReport::addReading(const ram_slam::FeatureList& features,
+                           const ram_slam::Estimator& estimator) {
+  feature_count_ += features.features.size();
   ++list_count_;
+  losses_.add(features.stamp_ns, estimator.isLost(), estimator.state());
+  features_.samples.push_back({features.stamp_ns, static_cast<double>(features.features.size())});
+  const Eigen::Matrix2d covariance_m2 = estimator.estimate().covariance.topLeftCorner<2, 2>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance_m2, Eigen::EigenvaluesOnly);
+  deviation_.samples.push_back(
+      {features.stamp_ns, std::sqrt(std::max(axes.eigenvalues()[1], 0.0))});
+}
+
+std::vector<Measurement> RunReport::measurements() const {
+  std::vector<Measurement> all = {
+      {"scans", "1/s", "Scans whose odometry is known, by their stamps.", scan_rate_.perSecond()},
+      {"odometry", "1/s", "Readings of the wheels, by their stamps.", wheel_rate_.perSecond()},
+      inliers_,
+      features_,
+      deviation_};
+  const auto is_empty = [](const Measurement& measurement) { return measurement.samples.empty(); };
+  all.erase(std::remove_if(all.begin(), all.end(), is_empty), all.end());
+  return all;
 }
 
 ordered_json RunReport::summary(const Run& run) const {

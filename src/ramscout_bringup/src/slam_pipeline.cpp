@@ -2,13 +2,17 @@
 #include "ramscout_bringup/slam_pipeline.hpp"
 
 #include <memory>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "ram_slam/parameter_files.hpp"
 #include "ram_slam/pose_graph/g2o.hpp"
 #include "ramscout_bringup/named_file.hpp"
 #include "ramscout_feature_detector/corner_matcher.hpp"
+#include "ramscout_feature_detector/parameter_files.hpp"
+#include "ramscout_kinematics/parameter_files.hpp"
 
 namespace ramscout_bringup {
 namespace {
@@ -93,6 +97,24 @@ SlamParameters readSlamParameters(const std::string& folder, const std::string& 
   return readSlamParameters(ParameterFiles(folder), estimator);
 }
 
+std::vector<ChangedParameter> changedParameters(const std::string& folder,
+                                                const std::string& estimator) {
+  const std::set<std::string> names = {"laser_odometry.yaml", "feature_detector.yaml",
+                                       "kinematics.yaml",     estimator + ".yaml",
+                                       "map_smoother.yaml",   "occupancy_mapper.yaml"};
+  std::vector<ChangedParameter> changed;
+  for (const auto& files : {ram_slam::parameterFiles(), ramscout_feature_detector::parameterFiles(),
+                            ramscout_kinematics::parameterFiles()}) {
+    for (const ram_parameters::ParameterFile& file : files) {
+      if (names.count(file.name) == 0) continue;
+      const auto more =
+          changedParameters(ram_parameters::readYamlFile(folder + "/" + file.name), file);
+      changed.insert(changed.end(), more.begin(), more.end());
+    }
+  }
+  return changed;
+}
+
 SlamPipeline::SlamPipeline(const SlamParameters& parameters)
     : parameters_(parameters),
       odometry_(parameters.laser_odometry, parameters.use_laser_odometry),
@@ -145,6 +167,7 @@ void SlamPipeline::feedKinematics(const ram_slam::StampedPose2& odom_from_base) 
 
 void SlamPipeline::process(const ram_slam::OdometryStep& step) {
   const std::int64_t stamp_ns = step.scan.scan.stamp_ns;
+  report_.addStep(step, parameters_.use_laser_odometry);
   if (parameters_.use_laser_odometry) {
     for (const ram_slam::StampedPose2& pose : step.between) feedKinematics(pose);
     feedKinematics({stamp_ns, step.estimate.odom_from_base.pose});
@@ -189,9 +212,7 @@ void SlamPipeline::updateEstimator(const ram_slam::MountedScan& scan,
     if (smooths()) smoothing_.addFeatures(features);
     estimator_.update(features, motion,
                       std::make_shared<const ram_slam::LaserView>(scan.scan, scan.base_from_laser));
-    report_.addFeatures(features.features.size());
-    const ram_slam::Estimator& estimator = estimator_.estimator();
-    report_.losses().add(features.stamp_ns, estimator.isLost(), estimator.state());
+    report_.addReading(features, estimator_.estimator());
   } catch (const std::exception& error) {
     estimator_.drops().add(DropReason::kInvalidScan, scan.scan.stamp_ns, error.what());
   }
@@ -217,6 +238,8 @@ Results SlamPipeline::finish() {
   mapping_.correct(results.trajectory);
   mapping_.draw();
   results.map = mapping_.mapper().grid();
+  results.odometry = report_.wheels();
+  results.measurements = report_.measurements();
   results.summary = report_.summary({odometry_, estimator_, smoothing_, mapping_, results,
                                      parameters_.use_laser_odometry, smooths()});
   return results;
@@ -230,6 +253,7 @@ void SlamPipeline::smoothFinally(Results& results) {
   std::ostringstream graph;
   ram_slam::writeG2o(smoothing_.smoother().graph(), graph);
   results.pose_graph_g2o = graph.str();
+  results.closures = closureRecords(smoothing_.smoother());
 }
 
 }  // namespace ramscout_bringup

@@ -50,6 +50,21 @@ TEST(CompareWithTruth, ARigidMotionOfTheWholeTrajectoryIsNoError) {
   EXPECT_NEAR(comparison.truth_from_map.x_m, 3.0, 1e-9);
 }
 
+TEST(TruthInMap, LiesOnTheEstimateAndIsEmptyWithoutCommonStamps) {
+  const Trajectory truth = circle();
+  const Pose2 map_from_truth{3.0, -7.0, 2.5};
+  Trajectory estimate = truth;
+  for (auto& pose : estimate) pose.pose = map_from_truth * pose.pose;
+  const Trajectory aligned = truthInMap(estimate, truth);
+  ASSERT_EQ(aligned.size(), truth.size());
+  for (std::size_t i = 0; i < aligned.size(); ++i) {
+    EXPECT_NEAR(aligned[i].pose.x_m, estimate[i].pose.x_m, 1e-9);
+    EXPECT_NEAR(aligned[i].pose.y_m, estimate[i].pose.y_m, 1e-9);
+  }
+  EXPECT_TRUE(truthInMap({}, truth).empty());
+  EXPECT_TRUE(truthInMap(estimate, {}).empty());
+}
+
 TEST(CompareWithTruth, AlternatingOffsetsAreFoundAsTheyAre) {
   Trajectory truth;
   Trajectory estimate;

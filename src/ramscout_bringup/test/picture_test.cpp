@@ -93,5 +93,47 @@ TEST(DrawPicture, OfATurnedMapHasItsWallsWhereTheMapFrameHasThem) {
   EXPECT_EQ(pixel(3.0, 5.0), cv::Vec3b(255, 255, 255));
 }
 
+TEST(DrawMapImage, ShowsTheKnownPartOfTheMapAndWhereItLies) {
+  ram_slam::OccupancyGrid map;
+  map.width = 100;
+  map.height = 50;
+  map.resolution_m = 0.1;
+  map.map_from_grid = {-2.0, 3.0, 0.0};
+  map.cells.assign(100 * 50, ram_slam::kUnknownCell);
+  for (int x = 20; x < 30; ++x) map.cells[map.index(x, 10)] = ram_slam::kFreeCell;
+  map.cells[map.index(29, 12)] = ram_slam::kOccupiedCell;
+  const MapImage drawn = drawMapImage(map, 1'000'000, 4000);
+  const cv::Mat image = decode(drawn.png);
+  ASSERT_EQ(image.size(), cv::Size(10, 3));
+  EXPECT_EQ(image.at<cv::Vec3b>(2, 0), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(image.at<cv::Vec3b>(0, 9), cv::Vec3b(30, 30, 30));
+  EXPECT_EQ(image.at<cv::Vec3b>(1, 5), cv::Vec3b(222, 222, 222));
+  EXPECT_NEAR(drawn.map_from_image.x_m, 0.0, 1e-12);
+  EXPECT_NEAR(drawn.map_from_image.y_m, 4.0, 1e-12);
+  EXPECT_DOUBLE_EQ(drawn.resolution_m, 0.1);
+}
+
+TEST(DrawMapImage, JoinsCellsWithoutLosingAWall) {
+  ram_slam::OccupancyGrid map;
+  map.width = 1000;
+  map.height = 10;
+  map.resolution_m = 0.05;
+  map.cells.assign(10'000, ram_slam::kFreeCell);
+  map.cells[map.index(501, 4)] = ram_slam::kOccupiedCell;
+  const MapImage drawn = drawMapImage(map, 1'000'000, 250);
+  const cv::Mat image = decode(drawn.png);
+  EXPECT_EQ(image.size(), cv::Size(250, 3));
+  EXPECT_DOUBLE_EQ(drawn.resolution_m, 0.2);
+  EXPECT_EQ(image.at<cv::Vec3b>(1, 125), cv::Vec3b(30, 30, 30));
+}
+
+TEST(DrawMapImage, OfAnUnknownMapIsEmpty) {
+  ram_slam::OccupancyGrid map;
+  map.width = map.height = 2;
+  map.cells.assign(4, ram_slam::kUnknownCell);
+  EXPECT_TRUE(drawMapImage(map, 1000, 1000).png.empty());
+  EXPECT_TRUE(drawMapImage({}, 1000, 1000).png.empty());
+}
+
 }  // namespace
 }  // namespace ramscout_bringup

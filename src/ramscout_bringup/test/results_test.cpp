@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <system_error>
 
@@ -10,6 +11,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "ram_slam/occupancy/map_file.hpp"
+#include "ramscout_bringup/report.hpp"
 
 namespace ramscout_bringup {
 namespace {
@@ -80,9 +82,9 @@ TEST(ToYaml, OfNoLandmarksIsAnEmptyList) {
 
 TEST_F(WriteResults, LeavesTheFilesOfARunAndNoOthers) {
   writeResults(exampleResults(), folder_);
-  EXPECT_EQ(files(),
-            (std::set<std::string>{"map.pgm", "map.yaml", "map.png", "trajectory.tum",
-                                   "trajectory_online.tum", "landmarks.yaml", "summary.json"}));
+  EXPECT_EQ(files(), (std::set<std::string>{"map.pgm", "map.yaml", "map.png", "trajectory.tum",
+                                            "trajectory_online.tum", "landmarks.yaml",
+                                            "summary.json", "report.html"}));
 }
 
 TEST_F(WriteResults, AddsWhatElseIsKnown) {
@@ -107,6 +109,10 @@ TEST_F(WriteResults, MapTrajectoryAndSummaryAreReadBackTheSame) {
   }
   std::ifstream summary(folder_ + "/summary.json");
   EXPECT_EQ(nlohmann::json::parse(summary)["poses"], 3);
+  std::ifstream report(folder_ + "/report.html");
+  const std::string html((std::istreambuf_iterator<char>(report)),
+                         std::istreambuf_iterator<char>());
+  EXPECT_EQ(html, toHtml(results));
 }
 
 TEST_F(WriteResults, ReplacesTheFilesOfARunBefore) {

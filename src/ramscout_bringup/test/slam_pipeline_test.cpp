@@ -106,6 +106,32 @@ TEST(SlamPipeline, TheSummaryStatesWhatWasDriven) {
   EXPECT_EQ(summary["times_carried"], 0);
 }
 
+TEST(SlamPipeline, MeasuresRatesMatchesFeaturesAndUncertaintyOverTheWholeDrive) {
+  std::vector<std::string> names;
+  for (const Measurement& measurement : usualRun().measurements) {
+    names.push_back(measurement.name);
+    const double covered_s = 1e-9 * static_cast<double>(measurement.samples.back().stamp_ns -
+                                                        measurement.samples.front().stamp_ns);
+    EXPECT_GT(covered_s, 20.0) << measurement.name;
+    for (const Sample& sample : measurement.samples) EXPECT_GE(sample.value, 0.0) << names.back();
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"scans", "odometry", "scan points on known walls",
+                                             "features per scan", "uncertainty of the position"}));
+}
+
+TEST(SlamPipeline, ClosuresAreAmongTheRunsPoses) {
+  const Trajectory& poses = usualRun().trajectory;
+  for (const ClosureRecord& closure : usualRun().closures) {
+    EXPECT_TRUE(ram_slam::poseAt(poses, closure.old_stamp_ns)) << closure.old_stamp_ns;
+    EXPECT_TRUE(ram_slam::poseAt(poses, closure.new_stamp_ns)) << closure.new_stamp_ns;
+    EXPECT_GT(closure.new_stamp_ns, closure.old_stamp_ns);
+  }
+  const auto accepted =
+      std::count_if(usualRun().closures.begin(), usualRun().closures.end(),
+                    [](const ClosureRecord& closure) { return closure.is_accepted; });
+  EXPECT_EQ(usualRun().summary["loop_closures"], accepted);
+}
+
 TEST(SlamPipeline, TheMapHasWallsWhereTheRoomHasThem) {
   const ram_slam::OccupancyGrid& map = usualRun().map;
   const ram_slam::Pose2 map_from_room =
@@ -260,6 +286,18 @@ TEST(ReadSlamParameters, EmptyFilesGiveTheDefaults) {
   EXPECT_EQ(parameters.laser_odometry.use_wheels, ram_slam::LaserOdometryParameters{}.use_wheels);
   EXPECT_EQ(parameters.map_smoother.optimize_period_s, 0.0) << "a batch setting";
   EXPECT_EQ(parameters.occupancy_mapper.max_scan_count, 10'000'000);
+}
+
+TEST(ChangedParametersOfAFolder, AreThoseOfTheFilesThatARunReads) {
+  const ParameterFolder folder;
+  EXPECT_TRUE(changedParameters(folder.path(), "fast_slam").empty());
+  folder.write("fast_slam", "{particle_amount: 11}");
+  folder.write("laser_odometry", "{use_wheels: true}");
+  const auto changed = changedParameters(folder.path(), "fast_slam");
+  ASSERT_EQ(changed.size(), 1U);
+  EXPECT_EQ(changed[0].file, "fast_slam.yaml");
+  EXPECT_EQ(changed[0].key, "particle_amount");
+  EXPECT_EQ(changed[0].value, "11");
 }
 
 TEST(ReadSlamParameters, NamesTheFileThatIsMissingAndTheParameterThatIsRefused) {

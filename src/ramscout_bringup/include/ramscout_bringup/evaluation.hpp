@@ -36,6 +36,10 @@ struct TruthComparison {
 /// without scale). \throws std::invalid_argument if fewer than two stamps are common
 TruthComparison compareWithTruth(const Trajectory& estimate, const Trajectory& truth);
 
+/// The truth moved to where compareWithTruth() aligns it with the estimate; empty if there is
+/// nothing in common to align them by.
+Trajectory truthInMap(const Trajectory& estimate, Trajectory truth);
+
 /// Relative pose error over pieces of the path.
 struct RelativeError {
   std::string interval;  ///< e.g. "5 m" or "10 s"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "ramscout_bringup/results.hpp"
@@ -24,5 +25,15 @@ struct PictureLayout {
 /// with the estimate as compareWithTruth() does), a scale bar and a legend. An empty map gives a
 /// picture of the paths alone.
 std::string drawPicture(const Results& results, const PictureLayout& layout = {});
+
+/// The known part of a map as a PNG file's content: walls black, floor white, unknown grey.
+struct MapImage {
+  std::string png;  ///< empty if nothing is known
+  double resolution_m = 0.0;
+  ram_slam::Pose2 map_from_image;  ///< lower left corner of the image
+};
+/// \param max_bytes  of the PNG; cells are joined, walls first, until it is no larger
+/// \param max_edge_px  likewise of the image
+MapImage drawMapImage(const ram_slam::OccupancyGrid& map, std::size_t max_bytes, int max_edge_px);
 
 }  // namespace ramscout_bringup

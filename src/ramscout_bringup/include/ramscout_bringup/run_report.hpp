@@ -14,6 +14,7 @@
 #include "ram_slam/stages/mapping_stage.hpp"
 #include "ram_slam/stages/odometry_stage.hpp"
 #include "ram_slam/stages/smoothing_stage.hpp"
+#include "ramscout_bringup/measurement.hpp"
 #include "ramscout_bringup/results.hpp"
 
 namespace ramscout_bringup {
@@ -42,7 +43,10 @@ private:
   std::vector<Loss> losses_;
 };
 
-/// Collects during a run what its summary.json states at the end.
+/// The smoother's closures, those that were taken back by hand left out.
+std::vector<ClosureRecord> closureRecords(const ram_slam::MapSmoother& smoother);
+
+/// Collects during a run what its summary.json and its report state at the end.
 class RunReport {
 public:
   /// Where the run stands at its end.
@@ -57,12 +61,17 @@ public:
   };
 
   void addWheels(const ram_slam::StampedPose2& odom_from_base);
-  /// Of one reading that the estimator was given.
-  void addFeatures(std::size_t count);
-  /// Of the estimator, after each reading.
-  LossRecord& losses() { return losses_; }
+  /// A scan with its odometry.
+  /// \param is_refined  by the scan
+  void addStep(const ram_slam::OdometryStep& step, bool is_refined);
+  /// After a reading that the estimator was given.
+  void addReading(const ram_slam::FeatureList& features, const ram_slam::Estimator& estimator);
 
   nlohmann::ordered_json summary(const Run& run) const;
+  /// Those that have a sample.
+  std::vector<Measurement> measurements() const;
+  /// odom_from_base as the wheels have it, at most 50 poses per second.
+  const Trajectory& wheels() const { return wheels_; }
 
 private:
   /// The laser's mount, the wheels' scale and the offset between their stamps, as far as the drive
@@ -73,6 +82,15 @@ private:
   std::size_t feature_count_ = 0;
   std::size_t list_count_ = 0;
   LossRecord losses_;
+  RateCounter wheel_rate_;
+  RateCounter scan_rate_;
+  Measurement inliers_{
+      "scan points on known walls", "%",
+      "Low: the scan does not show what those before it did (people, glass, a jump)."};
+  Measurement features_{"features per scan", "",
+                        "Of the detector. Without features the estimator follows the odometry."};
+  Measurement deviation_{"uncertainty of the position", "m",
+                         "Standard deviation that the estimator states, along its longer axis."};
 };
 
 }  // namespace ramscout_bringup

@@ -58,6 +58,10 @@ SlamParameters readSlamParameters(const ParameterFiles& files,
 SlamParameters readSlamParameters(const std::string& folder,
                                   const std::string& estimator = "fast_slam");
 
+/// What differs from the defaults in the files that readSlamParameters() reads.
+std::vector<ChangedParameter> changedParameters(const std::string& folder,
+                                                const std::string& estimator);
+
 /// The matchers that the feature detectors of this workspace bring, by feature type.
 ram_slam::FeatureMatchers featureMatchers();
 

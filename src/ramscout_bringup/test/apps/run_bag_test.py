@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """run_bag on logs of a known drive: exit codes, files, options, and the way that it finds."""
 import gzip
+import html.parser
 import json
 import lzma
 import math
@@ -11,7 +12,33 @@ import rosunit
 from synthetic_log import CONFIG, FIRST_STAMP_S, LINES, PERIOD_S, STEPS, ProgramTest, true_poses
 
 FILES = {"map.pgm", "map.yaml", "map.png", "trajectory.tum", "trajectory_online.tum", "trajectory_filter.tum",
-         "pose_graph.g2o", "landmarks.yaml", "summary.json", "timing.json"}
+         "pose_graph.g2o", "landmarks.yaml", "summary.json", "report.html", "timing.json"}
+
+
+class Page(html.parser.HTMLParser):
+    """A parsed page: the elements that are still open at its end, and the content of the one with the data."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open = []
+        self.data = ""
+        self._is_data = False
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self._is_data = ("id", "data") in attrs
+        if tag not in {"meta", "link"}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        self._is_data = False
+        if self.open.pop() != tag:
+            raise ValueError("</%s> closes another element" % tag)
+
+    def handle_data(self, data):
+        if self._is_data:
+            self.data += data
 
 
 def poses_of(content):
@@ -71,7 +98,31 @@ class RunBagTest(ProgramTest):
             self.assertEqual(finished.returncode, 0, finished.stderr)
         for name in FILES - {"timing.json"}:
             for number in range(1, len(logs)):
-                self.assertEqual(self.read("0", name), self.read(str(number), name), (name, logs[number]))
+                expected = self.read("0", name)
+                if name == "report.html":  # states the name of its recording
+                    expected = expected.replace(b"plain.clf", os.path.basename(logs[number]).encode())
+                self.assertEqual(expected, self.read(str(number), name), (name, logs[number]))
+
+    def test_the_report_is_one_sound_page_with_the_data_of_the_run(self):
+        config = self.path("config")
+        shutil.copytree(CONFIG, config)
+        self.write("config/fast_slam.yaml", "particle_amount: 11\n")
+        log = self.write("<b>drive&amp;.clf", "".join(LINES))
+        finished = self.run_program("run_bag", log, "--output", self.path("out"), "--config", config)
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        text = self.read("out", "report.html").decode()
+        page = Page(text)
+        data = json.loads(page.data)
+        self.assertEqual(page.open, [])
+        self.assertNotIn("http:", text)
+        self.assertNotIn("https:", text)
+        self.assertLess(len(text), 3000000)
+        self.assertEqual(dict(data["about"])["recording"], "<b>drive&amp;.clf")
+        self.assertEqual(data["summary"], json.loads(self.read("out", "summary.json")))
+        self.assertEqual({path["name"] for path in data["paths"]}, {"odometry", "online", "final"})
+        self.assertIn("scan points on known walls", {chart["name"] for chart in data["charts"]})
+        self.assertEqual([(p["key"], p["value"]) for p in data["parameters"]], [("particle_amount", "11")])
+        self.assertIn("%d of %d scans were used." % (STEPS, STEPS), {f["text"] for f in data["findings"]})
 
     def test_start_and_duration_choose_a_piece_of_the_drive(self):
         poses, summary = self.mapped("--start", "4", "--duration", "3")
