@@ -40,15 +40,16 @@ LidarCalibrationParameters::table() {
           .rule(&P::max_blocks, ">= min_blocks",
                 [](const P& p) { return p.max_blocks >= p.min_blocks; })
           .add("deviations", &P::deviations, "", positive(),
-               "A correction that is taken is at least so many of its standard deviations; one "
-               "that is kept, half as many.");
+               "A correction that is taken is at least so many of its standard deviations, one "
+               "that is kept half as many; the mirror turn is longer than the time between scans "
+               "by at most so many.");
   return table;
 }
 
 LidarCalibration::LidarCalibration(const LidarCalibrationParameters& parameters)
     : parameters_(parameters) {}
 
-void LidarCalibration::add(const ScanPairSum& pair) {
+void LidarCalibration::add(const ScanPairSum& pair, const Timing& timing) {
   const Eigen::Matrix3d pose =
       pair.information.topLeftCorner<3, 3>() + kRegularisation * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d cross = pair.information.topRightCorner<3, 1>();
@@ -57,6 +58,9 @@ void LidarCalibration::add(const ScanPairSum& pair) {
   const double gradient = pair.gradient(3) - eliminated.dot(pair.gradient.head<3>());
   block_.information += information;
   block_.weighted += information * used_.mirror_turn_s - gradient;
+  ++block_.pair_count;
+  block_.intervals_s += timing.interval_s;
+  stated_mirror_turn_s_ = timing.mirror_turn_s - used_.mirror_turn_s;
 }
 
 void LidarCalibration::endBlock() {
@@ -66,16 +70,24 @@ void LidarCalibration::endBlock() {
   if (blocks_.size() > static_cast<std::size_t>(parameters_.max_blocks)) blocks_.pop_front();
   if (blocks_.size() < static_cast<std::size_t>(parameters_.min_blocks)) return;
 
-  const Solution solution = solve();
-  use(isUsable(solution) ? solution : Solution{});
+  const Block sum = sumOfBlocks();
+  const Solution solution = solve(sum);
+  const bool is_used = isUsable(solution) && isPossible(solution, sum.intervals_s / sum.pair_count);
+  use(is_used ? solution : Solution{});
 }
 
-LidarCalibration::Solution LidarCalibration::solve() const {
+LidarCalibration::Block LidarCalibration::sumOfBlocks() const {
   Block sum;
   for (const Block& block : blocks_) {
     sum.information += block.information;
     sum.weighted += block.weighted;
+    sum.pair_count += block.pair_count;
+    sum.intervals_s += block.intervals_s;
   }
+  return sum;
+}
+
+LidarCalibration::Solution LidarCalibration::solve(const Block& sum) const {
   const double variance = 1.0 / (sum.information + kRegularisation);
   const double mirror_turn_s = variance * sum.weighted;
   double scatter = 0.0;
@@ -90,6 +102,11 @@ bool LidarCalibration::isUsable(const Solution& solution) const {
   const double deviations = (used_.mirror_turn_s == 0.0 ? 1.0 : 0.5) * parameters_.deviations;
   return size_s >= parameters_.min_turn_s && size_s <= parameters_.max_turn_s &&
          size_s >= deviations * solution.deviation_s;
+}
+
+bool LidarCalibration::isPossible(const Solution& solution, double mean_interval_s) const {
+  const double mirror_turn_s = std::abs(stated_mirror_turn_s_ + solution.mirror_turn_s);
+  return mirror_turn_s <= mean_interval_s + parameters_.deviations * solution.deviation_s;
 }
 
 void LidarCalibration::use(const Solution& solution) {
@@ -109,10 +126,14 @@ std::string toText(const LidarCalibration& calibration) {
   return text.str();
 }
 
+double mirrorTurn_s(const LaserScan& scan) {
+  return scan.time_increment_s * (2.0 * M_PI / scan.angle_increment_rad);
+}
+
 LaserScan corrected(LaserScan scan, double added_mirror_turn_s) {
   if (added_mirror_turn_s == 0.0) return scan;
   const double increments_per_turn = 2.0 * M_PI / scan.angle_increment_rad;
-  const double mirror_turn_s = scan.time_increment_s * increments_per_turn + added_mirror_turn_s;
+  const double mirror_turn_s = mirrorTurn_s(scan) + added_mirror_turn_s;
   scan = inSweepDirection(
       mirror_turn_s < 0.0 ? SweepDirection::kClockwise : SweepDirection::kCounterclockwise,
       std::move(scan));

@@ -87,6 +87,7 @@ LaserOdometryEstimate LaserOdometry::update(const LaserScan& scan,
     if (!estimate.jumped && interval_s <= parameters_.lidar_calibration.max_interval_s) {
       const Pose2 motion = base_from_laser.inverse() * estimate.motion.pose * base_from_laser;
       key.velocity = logarithm(motion) / interval_s;
+      key.timing = {interval_s, mirrorTurn_s(scan)};
       // Without wheels the scans would be corrected by the motion that they show themselves.
       if (has_wheels && found.inlier_ratio >= parameters_.key_scan_inlier_ratio) learnLidar(key);
     }
@@ -263,7 +264,8 @@ void LaserOdometry::learnLidar(const KeyScan& scan) {
       continue;
     lidar_calibration_.add(
         sumScanPair({key->surfaces, *key->velocity}, {scan.surfaces, *scan.velocity},
-                    key->odom_from_laser.inverse() * scan.odom_from_laser, limits));
+                    key->odom_from_laser.inverse() * scan.odom_from_laser, limits),
+        scan.timing);
   }
 }
 

@@ -29,15 +29,32 @@ ScanPairSum pairOf(double added_s, double known_s, double noise, Random& random)
   return pair;
 }
 
+/// Of scans that follow each other by more than any correction that is allowed.
+constexpr LidarCalibration::Timing kSlow{0.6, 0.0};
+
 LidarCalibration learnedFrom(double added_s, int blocks, double noise) {
   LidarCalibration calibration;
   Random random(5);
   for (int i = 0; i < blocks; ++i) {
     for (int k = 0; k < 3; ++k)
-      calibration.add(pairOf(added_s, calibration.addedMirrorTurn_s(), noise, random));
+      calibration.add(pairOf(added_s, calibration.addedMirrorTurn_s(), noise, random), kSlow);
     calibration.endBlock();
   }
   return calibration;
+}
+
+/// What is added where a mirror turn takes `added_s` longer than `stated_s`, and scans follow each
+/// other by 0.05 s in the mean.
+double learnedAtTwentyHertz(double stated_s, double added_s, double noise) {
+  LidarCalibration calibration;
+  Random random(5);
+  for (int i = 0; i < 100; ++i) {
+    const double known_s = calibration.addedMirrorTurn_s();
+    for (const double interval_s : {0.02, 0.08})  // stamps that jitter
+      calibration.add(pairOf(added_s, known_s, noise, random), {interval_s, stated_s + known_s});
+    calibration.endBlock();
+  }
+  return calibration.addedMirrorTurn_s();
 }
 
 TEST(LidarCalibration, FindsWhatMakesTheResidualsZeroWhateverThePoses) {
@@ -73,13 +90,29 @@ TEST(LidarCalibration, RefusesWhatNoLidarDoes) {
   EXPECT_EQ(learnedFrom(0.5, 100, 0.0).addedMirrorTurn_s(), 0.0);
 }
 
+TEST(LidarCalibration, RefusesAMirrorTurnThatTakesLongerThanTheTimeBetweenScans) {
+  EXPECT_NEAR(learnedAtTwentyHertz(0.0, 0.04, 0.01), 0.04, 0.001);
+  EXPECT_EQ(learnedAtTwentyHertz(0.0, 0.06, 0.01), 0.0);
+  EXPECT_NEAR(learnedAtTwentyHertz(0.0, -0.04, 0.01), -0.04, 0.001);
+  EXPECT_EQ(learnedAtTwentyHertz(0.0, -0.06, 0.01), 0.0);
+}
+
+TEST(LidarCalibration, CountsWhatIsStatedWhereAMirrorTurnMustFitBetweenScans) {
+  EXPECT_EQ(learnedAtTwentyHertz(0.02, 0.04, 0.01), 0.0);
+  EXPECT_NEAR(learnedAtTwentyHertz(0.03, -0.06, 0.01), -0.06, 0.001);
+}
+
+TEST(LidarCalibration, TakesAMirrorTurnThatLastsFromScanToScan) {
+  EXPECT_NEAR(learnedAtTwentyHertz(0.0, 0.05, 0.1), 0.05, 0.004);
+}
+
 TEST(LidarCalibration, LearnsNothingIfNoCorrectionIsAllowed) {
   LidarCalibrationParameters parameters;
   parameters.max_turn_s = 0.0;
   LidarCalibration calibration(parameters);
   Random random(5);
   for (int i = 0; i < 100; ++i) {
-    calibration.add(pairOf(0.04, 0.0, 0.01, random));
+    calibration.add(pairOf(0.04, 0.0, 0.01, random), kSlow);
     calibration.endBlock();
   }
   EXPECT_EQ(calibration.addedMirrorTurn_s(), 0.0);
@@ -90,7 +123,7 @@ TEST(LidarCalibration, IsTakenBackWhenTheScansDoNotShowItAnyMore) {
   ASSERT_NE(calibration.addedMirrorTurn_s(), 0.0);
   Random random(6);
   for (int i = 0; i < LidarCalibrationParameters().max_blocks; ++i) {
-    calibration.add(pairOf(0.0, calibration.addedMirrorTurn_s(), 0.01, random));
+    calibration.add(pairOf(0.0, calibration.addedMirrorTurn_s(), 0.01, random), kSlow);
     calibration.endBlock();
   }
   EXPECT_EQ(calibration.addedMirrorTurn_s(), 0.0);
@@ -138,6 +171,11 @@ TEST(CorrectedScan, OfAMirrorThatTurnsClockwiseBeginsWithTheLastBeam) {
   const LaserScan back = corrected(scan, 2.0 * M_PI / 0.2 * 0.003);
   EXPECT_NEAR(back.time_increment_s, 0.001, 1e-12);
   EXPECT_NEAR(back.angle_min_rad, -0.3, 1e-12);
+}
+
+TEST(MirrorTurn, IsThatOfAllAnglesAndNegativeIfClockwise) {
+  EXPECT_NEAR(mirrorTurn_s(scanOfFour()), 0.001 * 2.0 * M_PI / 0.2, 1e-12);
+  EXPECT_NEAR(mirrorTurn_s(mirrored(scanOfFour())), -0.001 * 2.0 * M_PI / 0.2, 1e-12);
 }
 
 TEST(CorrectedScan, IsTheSameIfNothingIsAdded) {

@@ -10,6 +10,10 @@
 
 namespace ram_slam {
 
+/// The time of one counterclockwise turn of the mirror by the scan's time increment [s]; negative
+/// if the mirror turns clockwise.
+double mirrorTurn_s(const LaserScan& scan);
+
 /// The scan as the lidar has measured it. If the time of a mirror turn becomes negative, the mirror
 /// turns clockwise: the beams are put into the order in which they are fired.
 /// \param added_mirror_turn_s  to the time of one counterclockwise turn of the mirror that the
@@ -36,13 +40,22 @@ struct LidarCalibrationParameters {
 /// The residuals of aligned scans are linear in the pose and in the time p of a mirror turn; the
 /// pose is eliminated (Schur complement), and p solves sum H p = sum b over the pairs. Pairs with
 /// the same key scans share their errors and are one block; the scatter of the blocks gives the
-/// variance (sum H)^-1 (sum r^2) (sum H)^-1 with r = b - H p (White, Econometrica 1980).
+/// variance (sum H)^-1 (sum r^2) (sum H)^-1 with r = b - H p (White, Econometrica 1980). A mirror
+/// turn that takes longer than the mean interval between scans, beyond what the variance explains,
+/// is impossible: then nothing is used.
 class LidarCalibration {
 public:
   explicit LidarCalibration(const LidarCalibrationParameters& parameters = {});
 
+  /// When the beams of a scan were measured.
+  struct Timing {
+    double interval_s = 0.0;     ///< from the scan before to this one
+    double mirror_turn_s = 0.0;  ///< as mirrorTurn_s() has it, of the corrected scan
+  };
+
   /// Takes one aligned pair of scans, both corrected by what is known now.
-  void add(const ScanPairSum& pair);
+  /// \param timing  of the newer one
+  void add(const ScanPairSum& pair, const Timing& timing);
   /// The pairs that follow are with other key scans.
   void endBlock();
 
@@ -57,20 +70,26 @@ private:
   struct Block {
     double information = 0.0;
     double weighted = 0.0;
+    int pair_count = 0;
+    double intervals_s = 0.0;  ///< sum over the pairs
   };
   struct Solution {
     double mirror_turn_s = 0.0;
     double deviation_s = 0.0;
   };
 
-  Solution solve() const;
+  Block sumOfBlocks() const;
+  Solution solve(const Block& sum) const;
   /// Whether it is large enough, given its deviation, and not too large.
   bool isUsable(const Solution& solution) const;
+  /// Whether the whole mirror turn fits between two scans, given its deviation.
+  bool isPossible(const Solution& solution, double mean_interval_s) const;
   void use(const Solution& solution);
 
   LidarCalibrationParameters parameters_;
   Block block_;  ///< the current one
   std::deque<Block> blocks_;
+  double stated_mirror_turn_s_ = 0.0;  ///< of the newest scan
   Solution used_;
 };
 

@@ -75,6 +75,7 @@ private:
     Pose2 odom_from_laser;
     std::optional<Eigen::Vector3d> velocity = {};  ///< of the laser [m/s, m/s, rad/s], in its axes
     double added_mirror_turn_s = 0.0;              ///< by which the scan was corrected
+    LidarCalibration::Timing timing = {};          ///< known if the velocity is
   };
   /// Where a motion began that both wheels and scans measure.
   struct Interval {
