@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "ram_slam/sensing/beam_finder.hpp"
+#include "ram_slam/sensing/swept_angle.hpp"
 
 namespace ram_slam {
 namespace {
@@ -161,12 +162,9 @@ std::size_t forEachPair(const SurfaceScan& target,
 
 /// Where a point moves for each second of a mirror turn, in the axes of its scan [m/s].
 Eigen::Vector2d movedBySweep(const SweepingScan& scan, const SurfacePoint& point) {
-  const double increment_rad = scan.surfaces.angle_increment_rad;
-  const double full_turn = std::copysign(2.0 * M_PI, increment_rad);
-  const double from_first_rad = std::atan2(point.y_m, point.x_m) - scan.surfaces.angle_min_rad;
-  // Half a beam before the first one is still the first one.
-  const double turns = std::floor((from_first_rad + 0.5 * increment_rad) / full_turn);
-  const double swept_rad = from_first_rad - turns * full_turn;
+  const double swept_rad =
+      sweptAngle_rad(std::atan2(point.y_m, point.x_m), scan.surfaces.angle_min_rad,
+                     scan.surfaces.angle_increment_rad);
   return swept_rad / (2.0 * M_PI) *
          (scan.velocity.head<2>() + scan.velocity.z() * Eigen::Vector2d(-point.y_m, point.x_m));
 }

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "ram_slam/sensing/swept_angle.hpp"
+
 namespace ram_slam {
 namespace {
 
@@ -56,10 +58,9 @@ std::int64_t LaserScan::duration_ns() const {
 }
 
 std::int64_t LaserScan::delay_ns(double bearing_rad) const {
-  const double turn = 2.0 * M_PI / std::abs(angle_increment_rad);  // in beams
-  double beam = std::fmod((bearing_rad - angle_min_rad) / angle_increment_rad, turn);
-  if (beam < -0.5) beam += turn;  // half a beam before the first is still the first
-  return std::llround(1e9 * time_increment_s * std::max(beam, 0.0));
+  const double beams =
+      sweptAngle_rad(bearing_rad, angle_min_rad, angle_increment_rad) / angle_increment_rad;
+  return std::llround(1e9 * time_increment_s * std::max(beams, 0.0));
 }
 
 LaserScan mirrored(LaserScan scan) {

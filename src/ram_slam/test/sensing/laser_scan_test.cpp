@@ -55,7 +55,11 @@ TEST(LaserScan, BearingsOfAnotherTurnHaveTheSameDelay) {
   const LaserScan scan = fiveBeams();
   EXPECT_EQ(scan.delay_ns(0.1), 30'000'000);
   EXPECT_EQ(scan.delay_ns(0.1 + 2.0 * M_PI), 30'000'000);
-  EXPECT_EQ(scan.delay_ns(-0.24), 0);  // half a beam before the first is still the first
+  // Half a beam before the first is still the first.
+  EXPECT_EQ(scan.delay_ns(-0.24), 0);
+  EXPECT_EQ(scan.delay_ns(-0.24 + 2.0 * M_PI), 0);
+  EXPECT_EQ(mirrored(scan).delay_ns(-0.1), 30'000'000);
+  EXPECT_EQ(mirrored(scan).delay_ns(0.24 - 2.0 * M_PI), 0);
 }
 
 TEST(LaserScan, MirroredTwiceIsTheScanItself) {
