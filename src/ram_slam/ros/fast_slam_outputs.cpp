@@ -94,7 +94,9 @@ void FastSlamNode::publishMap() {
   const ram_slam::LandmarkMap map = stage_.estimator().landmarks();
   landmarks_.publish(toLandmarkMapMessage(map, node_parameters_.frames.map));
   landmark_markers_.publish(toMarkers(map, node_parameters_.frames.map, node_parameters_.markers));
-  trajectory_.publish(toPath(stage_.estimator().trajectory(), node_parameters_.frames.map));
+  const auto most = static_cast<std::size_t>(node_parameters_.max_published_poses);
+  trajectory_.publish(toPath(ram_slam::withAtMost(stage_.estimator().trajectory(), most),
+                             node_parameters_.frames.map));
 }
 
 }  // namespace ram_slam_ros

@@ -129,7 +129,8 @@ void MapSmootherNode::logNewClosures() {
 
 void MapSmootherNode::publish(const ram_slam::Trajectory& smoothed) {
   ++correction_count_;
-  publisher_.publish(toPath(smoothed, parameters_.map_frame));
+  const auto most = static_cast<std::size_t>(parameters_.max_published_poses);
+  publisher_.publish(toPath(ram_slam::withAtMost(smoothed, most), parameters_.map_frame));
 }
 
 void MapSmootherNode::publishMapPose(std::int64_t stamp_ns, const ram_slam::Pose2& map_from_base) {

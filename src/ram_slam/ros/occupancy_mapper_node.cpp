@@ -66,6 +66,13 @@ NodeDiagnostics::Report OccupancyMapperNode::report() {
     report.drops = stage_.drops();
     report.values = {{"scans in the map", static_cast<double>(stage_.scanCount())}};
     report.messages = scans_.messages();
+    const auto most = static_cast<std::size_t>(parameters_.max_scan_count);
+    if (10 * stage_.scanCount() >= 9 * most) {
+      report.causes.push_back({ram_slam::Link::kMap, ram_slam::Severity::kWarning, "many scans",
+                               std::to_string(stage_.scanCount()) + " of " + std::to_string(most) +
+                                   " scans are kept (max_scan_count): of more, the oldest stay "
+                                   "where they are drawn and are missing in saved maps"});
+    }
     if (is_lost_) {
       report.causes.push_back({ram_slam::Link::kPose, ram_slam::Severity::kWarning, "lost",
                                "the robot is lost: no scans are drawn until it is found"});

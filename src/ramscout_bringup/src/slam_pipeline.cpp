@@ -58,6 +58,7 @@ void SlamParameters::useBatchSettings() {
   estimator_stage.minimum_distance_m = 0.03;
   estimator_stage.minimum_angle_rad = 0.03;
   map_smoother.optimize_period_s = 0.0;
+  map_smoother.key_scans.pose_per_scan = true;
   occupancy_mapper.max_scan_count = 10'000'000;  // the most that it takes
 }
 

@@ -79,7 +79,8 @@ void EkfSlam::update(const FeatureList& list, const MotionStep& step, const Fiel
   associations_ = evidence.associations;
   quality_.add(evidence, common().quality_memory);
   hypothesis().proposal = evidence.map_from_base;
-  hypothesis().path.append({stamp_ns_, evidence.map_from_base.pose});
+  hypothesis().path.append({stamp_ns_, evidence.map_from_base.pose}, common().path.step);
+  limitPaths(hypotheses_, 0, static_cast<std::size_t>(common().path.max_poses));
   estimate_ = evidence.map_from_base;
   shared_error_.move(since_list.pose.translation().norm(), estimate_.pose.translation());
   estimate_.covariance += shared_error_.covariance(common().pose_noise_floor);
@@ -141,7 +142,7 @@ void EkfSlam::updateMap(const FeatureList& list,
     belief_.add(observations[i].measured);
   }
   publish();
-  hypothesis().path.append({stamp_ns_, belief_.pose()});
+  hypothesis().path.append({stamp_ns_, belief_.pose()}, common().path.step);
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const Association& association = evidence.associations[i];
     if (association.outcome == AssociationOutcome::kMatched)

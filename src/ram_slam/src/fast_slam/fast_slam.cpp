@@ -127,10 +127,11 @@ std::vector<Evidence> FastSlam::weigh(const std::vector<Observation>& observatio
         proposal_->associate(observations, particle,
                              Random(parameters_.seed, update_count_, 3 * particles_.size() + i)));
     particle.proposal = evidence.back().map_from_base;
-    particle.path.append({stamp_ns_, particle.proposal.pose});
+    particle.path.append({stamp_ns_, particle.proposal.pose}, parameters_.path.step);
     log_weights.push_back(particle.log_weight +
                           parameters_.evidence_exponent * evidence.back().log_likelihood_ratio);
   }
+  limitPaths(particles_, best_, static_cast<std::size_t>(parameters_.path.max_poses));
   const std::vector<double> weights = normalisedWeights(log_weights);
   estimate_ = estimatePose(particles_, weights);
   quality_.effective_fraction = effectiveCount(weights) / static_cast<double>(weights.size());
@@ -162,7 +163,7 @@ void FastSlam::samplePoses(const std::vector<Evidence>& evidence) {
     particle.log_weight += parameters_.evidence_exponent * evidence[i].log_likelihood_ratio;
     particle.map_from_base =
         samplePose(particle.proposal, Random(parameters_.seed, update_count_, i));
-    particle.path.append({stamp_ns_, particle.map_from_base});
+    particle.path.append({stamp_ns_, particle.map_from_base}, parameters_.path.step);
   }
   const std::vector<double> weights = weightsOf(particles_);
   best_ = largest(weights);
@@ -181,7 +182,8 @@ std::vector<Pose2> FastSlam::hypotheses() const {
 std::vector<std::pair<std::string, double>> FastSlam::health() const {
   return {{"features matched recently", quality_.matched_fraction},
           {"normalised innovation", quality_.normalised_innovation},
-          {"effective particles", quality_.effective_fraction}};
+          {"effective particles", quality_.effective_fraction},
+          {"poses of the path", static_cast<double>(best().path.size())}};
 }
 
 LandmarkMap FastSlam::landmarks() const {

@@ -233,6 +233,7 @@ void addMemory(ParameterTable<P>& table) {
       .add("skipped_ids", &P::skipped_ids, "", within(0, 1000000),
            "Identifiers left out behind those of a map from a file: others may know landmarks that "
            "were created after it was written.")
+      .section("path", &P::path, PathParameters::table())
       .section("appearance", &P::appearance, AppearanceParameters::table())
       .section("existence", &P::existence, ExistenceParameters::table())
       .section("shared_error", &P::shared_error, SharedErrorParameters::table())

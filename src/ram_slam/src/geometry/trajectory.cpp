@@ -56,6 +56,18 @@ void validate(const Trajectory& trajectory) {
   }
 }
 
+Trajectory withAtMost(Trajectory trajectory, std::size_t most) {
+  if (trajectory.size() <= most) return trajectory;
+  const std::size_t newest = most - most / 2;
+  const std::size_t older = trajectory.size() - newest;
+  const std::size_t stride = (older + most / 2 - 1) / (most / 2);
+  Trajectory kept;
+  kept.reserve(most);
+  for (std::size_t i = 0; i < older; i += stride) kept.push_back(trajectory[i]);
+  kept.insert(kept.end(), trajectory.end() - static_cast<std::ptrdiff_t>(newest), trajectory.end());
+  return kept;
+}
+
 std::optional<Pose2> poseAt(const Trajectory& trajectory, std::int64_t stamp_ns) {
   const auto around = posesAround(trajectory, stamp_ns);
   if (!around) return std::nullopt;

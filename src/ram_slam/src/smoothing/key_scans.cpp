@@ -83,7 +83,11 @@ const ram_parameters::ParameterTable<KeyScanParameters>& KeyScanParameters::tabl
           .add("between_angle_rad", &P::between_angle_rad, "rad", positive(),
                "Between two key scans a scan is aligned, too, after so much turning.")
           .add("between_reference_count", &P::between_reference_count, "", atLeast(1),
-               "Newest key scans that the scans between two of them are aligned with.");
+               "Newest key scans that the scans between two of them are aligned with.")
+          .add("rest_s", &P::rest_s, "s", positive(),
+               "Of a rest that was longer, or a pause of the scans, the end is kept, too.")
+          .add("pose_per_scan", &P::pose_per_scan,
+               "The trajectory has a pose for each scan, not for the aligned ones only: for logs.");
   return table;
 }
 
@@ -152,17 +156,28 @@ bool KeyScans::add(const LaserScan& scan,
   const auto gap_ns = static_cast<std::int64_t>(parameters_.jump_gap_s * 1e9);
   const bool is_after_gap = !scans_.empty() && scan.stamp_ns - scans_.back().stamp_ns > gap_ns;
   const bool is_key = keys_.empty() || starts_session_ || is_after_gap || isKeyScan(odom_from_base);
+  const bool is_between = !is_key && isBetweenScan(odom_from_base);
+  SurfaceScan surfaces;
+  if (is_key || is_between) surfaces = surfacesOf(scan, base_from_laser, odom_from_base);
+  if (!keepsLast(scan.stamp_ns, is_key || is_between)) scans_.pop_back();
   if (is_key) {
-    addKeyScan(scan.stamp_ns, surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser,
-               odom_from_base);
+    addKeyScan(scan.stamp_ns, std::move(surfaces), base_from_laser, odom_from_base);
     keys_.back().may_be_jump |= is_after_gap && !keys_.back().is_start;
     placePossibleJump();
-  } else if (isBetweenScan(odom_from_base)) {
-    between_scans_.push_back(
-        {scans_.size(), surfacesOf(scan, base_from_laser, odom_from_base), base_from_laser});
+  } else if (is_between) {
+    between_scans_.push_back({scans_.size(), std::move(surfaces), base_from_laser});
   }
-  scans_.push_back({scan.stamp_ns, keys_.size() - 1, odom_from_base});
+  const bool is_kept = is_key || is_between || parameters_.pose_per_scan;
+  scans_.push_back({scan.stamp_ns, keys_.size() - 1, odom_from_base, {}, is_kept});
   return is_key;
+}
+
+bool KeyScans::keepsLast(std::int64_t next_ns, bool next_is_kept) const {
+  if (scans_.empty() || scans_.back().is_kept) return true;
+  const std::size_t last = scans_.size() - 1;  // not the first, which is a key scan
+  const auto rest_ns = static_cast<std::int64_t>(parameters_.rest_s * 1e9);
+  return starts_session_ || next_ns - scans_[last].stamp_ns > rest_ns ||
+         (next_is_kept && scans_[last].stamp_ns - scans_[last - 1].stamp_ns > rest_ns);
 }
 
 bool KeyScans::isKeyScan(const Pose2& odom_from_base) const {

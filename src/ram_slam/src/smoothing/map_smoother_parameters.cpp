@@ -34,7 +34,10 @@ const ram_parameters::ParameterTable<MapSmootherParameters>& MapSmootherParamete
           .add("correction_angle_rad", &P::correction_angle_rad, "rad", atLeast(0.0),
                "The trajectory is published if such a closure turned the newest pose by more.")
           .add("max_sweeps", &P::max_sweeps, "", atLeast(0),
-               "Most searches for loops along the whole path per optimization.");
+               "Most searches for loops along the whole path per optimization.")
+          .add("max_published_poses", &P::max_published_poses, "", atLeast(100),
+               "Most poses in a message on smoothed_trajectory; of more, the older ones are "
+               "thinned out.");
   return table;
 }
 

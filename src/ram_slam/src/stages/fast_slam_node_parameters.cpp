@@ -86,6 +86,8 @@ const ram_parameters::ParameterTable<FastSlamNodeParameters>& FastSlamNodeParame
                "sees empty space.")
           .add("output_period", &P::output_period, "s", atLeast(0.0),
                "Least time between two outputs of landmarks and trajectory.")
+          .add("max_published_poses", &P::max_published_poses, "", atLeast(100),
+               "Most poses in a message on trajectory; of more, the older ones are thinned out.")
           .add("initial_map", &P::initial_map,
                "Saved map (folder, or a file in it, of the service save_map of world_map) to begin "
                "with: its landmarks are the map and the robot starts lost in it; empty: an empty "

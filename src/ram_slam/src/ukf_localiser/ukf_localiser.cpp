@@ -69,7 +69,8 @@ void UkfLocaliser::update(const FeatureList& list, const MotionStep& step, const
   quality_.add(evidence, common.quality_memory);
   const PoseWithCovariance2 now = corrected(observations, evidence.associations);
   hypothesis().proposal = now;
-  hypothesis().path.append({stamp_ns_, now.pose});
+  hypothesis().path.append({stamp_ns_, now.pose}, common.path.step);
+  limitPaths(hypotheses_, 0, static_cast<std::size_t>(common.path.max_poses));
   estimate_ = now;
   estimate_.covariance += shared_error_.covariance(common.pose_noise_floor);
   if (!is_update_due) return;

@@ -31,6 +31,18 @@ TEST(FastSlam, WithoutFeaturesAndNoiseTheTrajectoryIsTheOdometry) {
   EXPECT_LT(errors.yaw_rad, 1e-12);
 }
 
+TEST(FastSlam, AtRestNoParticlesPathGrows) {
+  FastSlam filter(FastSlamParameters{});
+  SyntheticOdometry odometry;
+  Random random(5);
+  for (int i = 1; i <= 300; ++i) {
+    odometry.add(i, {}, {}, random);
+    filter.update(oneFeature(i, {2.0, 1.0}, 4e-4), odometry);
+  }
+  for (const Particle& particle : filter.particles()) EXPECT_LE(particle.path.size(), 2U);
+  EXPECT_EQ(filter.trajectory().back().stamp_ns, 300);
+}
+
 TEST(FastSlam, FromAKnownPoseALandmarksCovarianceFallsWithTheNumberOfObservations) {
   constexpr double kVariance_m2 = 4e-4;
   constexpr int kObservations = 20;

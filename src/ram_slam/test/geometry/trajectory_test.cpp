@@ -94,5 +94,21 @@ TEST(OdometryAt, ATurnThatNoRobotDrivesIsAJumpToo) {
   EXPECT_NEAR(odometryAt(slower, 50'000'000)->yaw_rad, 0.2, 1e-12);
 }
 
+TEST(Trajectory, WithAtMostSoManyPosesKeepsTheNewestHalfAndThinsOutTheOlder) {
+  Trajectory trajectory;
+  for (std::int64_t i = 0; i < 1000; ++i) trajectory.push_back({i, {}});
+  const Trajectory kept = withAtMost(trajectory, 100);
+  ASSERT_LE(kept.size(), 100U);
+  EXPECT_GE(kept.size(), 90U);
+  validate(kept);
+  EXPECT_EQ(kept.front().stamp_ns, 0);
+  EXPECT_EQ(kept[1].stamp_ns, 19);
+  EXPECT_EQ(kept[kept.size() - 50].stamp_ns, 950);
+  EXPECT_EQ(kept.back().stamp_ns, 999);
+  EXPECT_EQ(withAtMost(trajectory, 1000).size(), 1000U);
+  EXPECT_EQ(withAtMost(trajectory, 2).size(), 2U);
+  EXPECT_TRUE(withAtMost({}, 2).empty());
+}
+
 }  // namespace
 }  // namespace ram_slam

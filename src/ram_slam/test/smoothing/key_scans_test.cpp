@@ -7,6 +7,8 @@
 
 #include <gmock/gmock.h>
 
+#include "ram_slam/geometry/trajectory.hpp"
+
 #include "key_scan_drive.hpp"
 
 namespace ram_slam {
@@ -36,6 +38,49 @@ TEST(KeyScans, ReportWhichScansAreKept) {
   EXPECT_TRUE(scans.add(scanWalls(pillarRoom(), {0.4, 0.0, 0.0}, 3), {}, {0.4, 0.0, 0.0}));
   EXPECT_EQ(scans.newestStampNs(), 3);
   EXPECT_THAT(scans.trajectory(), SizeIs(3));
+}
+
+/// A drive that rests half-way for some time, a scan each 0.1 s.
+std::vector<Pose2> restingHalfWay(int rest_scans) {
+  std::vector<Pose2> poses;
+  for (int i = 0; i <= 40; ++i) poses.push_back({0.02 * i, 0.0, 0.0});
+  for (int i = 0; i < rest_scans; ++i) poses.push_back({0.8 + 0.002 * (i % 3), 0.0, 0.0});
+  for (int i = 1; i <= 40; ++i) poses.push_back({0.8 + 0.02 * i, 0.0, 0.0});
+  return poses;
+}
+
+TEST(KeyScans, AtRestNothingGrows) {
+  const std::vector<Pose2> short_rest = restingHalfWay(30);
+  const std::vector<Pose2> long_rest = restingHalfWay(300);
+  const KeyScans after_short = scansAt(pillarRoom(), short_rest, short_rest);
+  const KeyScans after_long = scansAt(pillarRoom(), long_rest, long_rest);
+  EXPECT_EQ(after_long.trajectory().size(), after_short.trajectory().size());
+  EXPECT_EQ(after_long.keys().size(), after_short.keys().size());
+}
+
+TEST(KeyScans, FewerPosesGiveTheSameTrajectoryWithinAnAlignmentsStep) {
+  const std::vector<Pose2> truth = restingHalfWay(300);
+  const std::vector<Pose2> odometry = withDrift(truth, 0.1);
+  KeyScanParameters every_scan;
+  every_scan.pose_per_scan = true;
+  const auto all = scansAt(pillarRoom(), truth, odometry, every_scan).trajectory();
+  const auto few = scansAt(pillarRoom(), truth, odometry).trajectory();
+  ASSERT_THAT(all, SizeIs(truth.size()));
+  EXPECT_LT(few.size(), all.size() / 5);
+  for (const StampedPose2& pose : all) {
+    const auto between = poseAt(few, pose.stamp_ns);
+    ASSERT_TRUE(between);
+    EXPECT_LT((between->translation() - pose.pose.translation()).norm(), 0.05) << pose.stamp_ns;
+    EXPECT_NEAR(between->yaw_rad, pose.pose.yaw_rad, 0.01);
+  }
+}
+
+TEST(KeyScans, TheEndOfALongRestIsInTheTrajectory) {
+  const std::vector<Pose2> truth = restingHalfWay(300);
+  const auto few = scansAt(pillarRoom(), truth, truth).trajectory();
+  const std::int64_t end_ns = 341 * std::int64_t{100'000'000};
+  for (const std::int64_t before_ns : {std::int64_t{0}, std::int64_t{10'000'000'000}})
+    EXPECT_NEAR(poseAt(few, end_ns - before_ns)->x_m, 0.8, 0.05);
 }
 
 TEST(KeyScans, CountTurningAsPath) {

@@ -71,10 +71,17 @@ double rmsError(const std::vector<StampedPose2>& trajectory, const std::vector<P
   return std::sqrt(sum / static_cast<double>(truth.size()));
 }
 
+/// A pose for each scan, to compare it with the truth.
+MapSmootherParameters perScan() {
+  MapSmootherParameters parameters;
+  parameters.key_scans.pose_per_scan = true;
+  return parameters;
+}
+
 MapSmoother smoothed(const Walls& walls,
                      const std::vector<Pose2>& truth,
                      const std::vector<Pose2>& odometry) {
-  MapSmoother smoother{MapSmootherParameters()};
+  MapSmoother smoother{perScan()};
   TestLaser laser;
   laser.range_deviation_m = 0.01;
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -125,7 +132,7 @@ FeatureList pillarsNear(const Pose2& map_from_base, std::int64_t stamp_ns) {
 }
 
 TEST(MapSmoother, RecognisesAPlaceByItsFeaturesWhereverDriftHasBroughtIt) {
-  MapSmootherParameters parameters;
+  MapSmootherParameters parameters = perScan();
   parameters.loops.search.min_path_m = 1e6;  // no place is sought by the poses
   parameters.loops.constellation_path_m = 20.0;
   const std::vector<Pose2> truth = rounds(2);
@@ -152,7 +159,7 @@ TEST(MapSmoother, RecognisesAPlaceByItsFeaturesWhereverDriftHasBroughtIt) {
 TEST(MapSmoother, HasACorrectionOnlyWhenAClosureMovedTheRobotOrItWasOptimized) {
   const std::vector<Pose2> truth = rounds(2);
   const std::vector<Pose2> odometry = drifting(truth);
-  MapSmootherParameters parameters;
+  MapSmootherParameters parameters = perScan();
   // The pose shall drift in the second round, by little: the scans are exact.
   parameters.refinement.near_views.count = 0;
   parameters.solve_distance_m = parameters.correction_distance_m = 0.002;
@@ -179,7 +186,7 @@ TEST(MapSmoother, HasACorrectionOnlyWhenAClosureMovedTheRobotOrItWasOptimized) {
 TEST(MapSmoother, IsOptimizedWhenPlacesWereRecognisedButNotTooOften) {
   const std::vector<Pose2> truth = rounds(2);
   const std::vector<Pose2> odometry = drifting(truth);
-  MapSmootherParameters parameters;
+  MapSmootherParameters parameters = perScan();
   parameters.optimize_period_s = 10.0;
   MapSmoother smoother{parameters};
   std::size_t closures_then = 0;
@@ -267,7 +274,7 @@ TEST(MapSmoother, SameInputGivesTheSameBits) {
 }
 
 TEST(MapSmoother, RefusesWhatItCannotUse) {
-  MapSmoother smoother{MapSmootherParameters()};
+  MapSmoother smoother{perScan()};
   const LaserScan scan = scanWalls(building(), kMount, 5);
   smoother.addScan(scan, kMount, Pose2{});
   EXPECT_THAT([&] { smoother.addScan(scan, kMount, Pose2{}); },
@@ -278,14 +285,14 @@ TEST(MapSmoother, RefusesWhatItCannotUse) {
 }
 
 TEST(MapSmoother, HasNoTrajectoryBeforeTheFirstScan) {
-  MapSmoother smoother{MapSmootherParameters()};
+  MapSmoother smoother{perScan()};
   smoother.optimize();
   EXPECT_THAT(smoother.trajectory(), IsEmpty());
 }
 
 TEST(MapSmoother, JoinsThePartsOfADriveBetweenWhichTheRobotWasCarried) {
   // A second round begins elsewhere, in another heading; the wheels know nothing of it.
-  MapSmootherParameters parameters;
+  MapSmootherParameters parameters = perScan();
   parameters.loops.jumps.support_path_m = 5.0;
   parameters.optimize_period_s = 0.0;
   std::vector<Pose2> truth = rounds(1);
@@ -312,7 +319,7 @@ TEST(MapSmoother, JoinsThePartsOfADriveBetweenWhichTheRobotWasCarried) {
 }
 
 TEST(MapSmoother, KnowsAfterAPauseThatTheRobotWasNotCarried) {
-  MapSmoother smoother{MapSmootherParameters()};
+  MapSmoother smoother{perScan()};
   const std::vector<Pose2> truth = rounds(2);
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const std::int64_t pause_ns = i < truth.size() / 2 ? 0 : 60'000'000'000;
@@ -328,7 +335,7 @@ TEST(MapSmoother, KnowsAfterAPauseThatTheRobotWasNotCarried) {
 }
 
 TEST(MapSmoother, OptimizesOnRequestOnlyWithAPeriodOfZero) {
-  MapSmootherParameters parameters;
+  MapSmootherParameters parameters = perScan();
   parameters.optimize_period_s = 0.0;
   parameters.solve_distance_m = 1e6;  // no closure is solved for at once
   parameters.solve_angle_rad = 1e6;
@@ -365,7 +372,7 @@ TEST(MapSmoother, ContinuesALoadedMapInItsFrameAndLeavesItWhereItIs) {
     const auto stamp_ns = static_cast<std::int64_t>(1000 - i) * 100000000;  // of another clock
     map.push_back({scanWalls(walls, place, stamp_ns, laser), kMount, place, {}});
   }
-  MapSmoother smoother{MapSmootherParameters()};
+  MapSmoother smoother{perScan()};
   smoother.load(map);
   const std::vector<KeyScan> loaded = smoother.keyScans();
   ASSERT_GT(loaded.size(), 100u);

@@ -3,6 +3,7 @@
 
 #include "ram_parameters/parameter_reader.hpp"
 #include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/fast_slam/path.hpp"
 #include "ram_slam/geometry/motion_gate.hpp"
 
 namespace ram_slam {
@@ -91,6 +92,7 @@ struct FastSlamParameters {
   double drift_yaw_arm_m = 2.0;
   int skipped_ids = 10000;            ///< others may know landmarks newer than a map's file
   MotionGate loaded_frame{3.0, 0.5};  ///< farther off a robot is not found in a loaded map
+  PathParameters path;
   AppearanceParameters appearance;
   ExistenceParameters existence;
   SharedErrorParameters shared_error;

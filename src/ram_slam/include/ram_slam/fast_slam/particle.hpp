@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "ram_slam/fast_slam/landmark_tree.hpp"
 #include "ram_slam/fast_slam/path.hpp"
 #include "ram_slam/geometry/pose2.hpp"
@@ -15,5 +18,9 @@ struct Particle {
   LandmarkTree landmarks;
   Path path;
 };
+
+/// Once the best particle's path has more poses than that, all particles get this path with half as
+/// many, each with its own newest pose.
+void limitPaths(std::vector<Particle>& particles, std::size_t best, std::size_t max_poses);
 
 }  // namespace ram_slam

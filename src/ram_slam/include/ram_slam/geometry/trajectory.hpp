@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -16,6 +17,10 @@ using Trajectory = std::vector<StampedPose2>;
 /// \throws std::invalid_argument naming the stamp where a pose is not finite or the stamps do not
 /// increase
 void validate(const Trajectory& trajectory);
+
+/// At most so many poses of a trajectory: the newest half of them as they are, of the older ones
+/// the first and every n-th. \param most  at least 2
+Trajectory withAtMost(Trajectory trajectory, std::size_t most);
 
 /// The pose at a stamp, interpolated at constant twist between its neighbours; nothing outside the
 /// trajectory.

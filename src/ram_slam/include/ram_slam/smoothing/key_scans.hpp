@@ -56,6 +56,8 @@ struct KeyScanParameters {
   double between_distance_m = 0.05;
   double between_angle_rad = 0.05;
   int between_reference_count = 3;  ///< newest key scans that those are aligned with
+  double rest_s = 1.0;              ///< the end of a longer rest is in the trajectory, too
+  bool pose_per_scan = false;       ///< trajectory() has a pose for each scan
 
   static const ram_parameters::ParameterTable<KeyScanParameters>& table();
 };
@@ -106,7 +108,9 @@ public:
   /// The same after the alignment of their scans.
   const std::vector<PoseEdge>& alignedMotion() const { return aligned_motion_; }
 
-  /// The corrected pose of the base at each scan's stamp.
+  /// The corrected pose of the base at the stamps of the scans: of each one with pose_per_scan,
+  /// else of the key scans, of those that are aligned between them, and of the newest one. Between
+  /// two of them the robot moves by less than between_distance_m or between_angle_rad.
   std::vector<StampedPose2> trajectory() const;
 
 private:
@@ -116,6 +120,7 @@ private:
     Pose2 odom_from_base;
     /// What its own alignment adds to the pose that the key scans before and after give it.
     Pose2 shift = {};
+    bool is_kept = true;  ///< when the next scan comes
   };
 
   /// A scan since the newest key scan that is aligned with it and the next one.
@@ -130,6 +135,8 @@ private:
     std::int64_t until_ns = 0;
   };
 
+  /// Whether the last scan stays in the trajectory when the next one comes.
+  bool keepsLast(std::int64_t next_ns, bool next_is_kept) const;
   bool isKeyScan(const Pose2& odom_from_base) const;
   /// If there is a key scan after the interval of a possible jump.
   void placePossibleJump();

@@ -40,7 +40,8 @@ struct MapSmootherParameters {
   /// A smaller motion of the newest pose is no correction.
   double correction_distance_m = 0.03;
   double correction_angle_rad = 0.01;
-  int max_sweeps = 2;  ///< of the search along the whole path, per optimization
+  int max_sweeps = 2;               ///< of the search along the whole path, per optimization
+  int max_published_poses = 20000;  ///< of smoothed_trajectory
 
   static const ram_parameters::ParameterTable<MapSmootherParameters>& table();
   /// \throws std::invalid_argument naming the parameter, its value and the bound it breaks
@@ -95,7 +96,7 @@ public:
   /// recognised since.
   void optimizeIfDue();
 
-  /// The corrected pose of the base at each scan's stamp.
+  /// As KeyScans::trajectory().
   std::vector<StampedPose2> trajectory() const { return key_scans_.trajectory(); }
 
   /// Whether the trajectory has changed enough to be taken again: since takeCorrection() a closure

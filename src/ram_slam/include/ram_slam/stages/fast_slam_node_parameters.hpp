@@ -56,6 +56,7 @@ struct FastSlamNodeParameters {
   std::vector<std::string> feature_topics = {"features"};
   bool use_scan = true;
   double output_period = 1.0;      ///< [s]
+  int max_published_poses = 5000;  ///< of trajectory
   std::string initial_map;         ///< folder or file of a saved map; empty: none
   bool localise_only = false;      ///< in the initial map
   std::string checkpoint_file;     ///< empty: no checkpoints

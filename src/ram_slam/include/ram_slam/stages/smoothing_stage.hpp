@@ -16,7 +16,7 @@ namespace ram_slam {
 /// A scan was smoothed.
 struct SmoothingStep {
   std::int64_t stamp_ns = 0;
-  /// The pose of the base at every scan so far, if a loop closure or an optimisation moved it: the
+  /// The trajectory of the base so far, if a loop closure or an optimisation moved it: the
   /// estimator follows it.
   std::optional<Trajectory> correction = {};
   /// The pose of the base as the map of now has it, in the frame of the trajectory, if the scan was
