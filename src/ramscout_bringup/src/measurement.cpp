@@ -4,13 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <ratio>
 
 namespace ramscout_bringup {
-namespace {
-
-constexpr std::int64_t kSecondNs = 1'000'000'000;
-
-}  // namespace
 
 std::vector<MeasurementRange> rangesOf(const Measurement& measurement,
                                        std::int64_t begin_ns,
@@ -40,14 +36,14 @@ std::vector<MeasurementRange> rangesOf(const Measurement& measurement,
 }
 
 void RateCounter::add(std::int64_t stamp_ns) {
-  ++counts_[stamp_ns / kSecondNs];
+  ++counts_[stamp_ns / std::nano::den];
 }
 
 std::vector<Sample> RateCounter::perSecond() const {
   std::vector<Sample> samples;
   if (counts_.size() < 3) return samples;
   const auto add = [&samples](std::int64_t second, std::size_t count) {
-    samples.push_back({second * kSecondNs + kSecondNs / 2, static_cast<double>(count)});
+    samples.push_back({second * std::nano::den + std::nano::den / 2, static_cast<double>(count)});
   };
   for (auto row = std::next(counts_.begin()); row != counts_.end(); ++row) {
     const std::int64_t before = std::prev(row)->first;

@@ -64,4 +64,15 @@ std::optional<PoseWithCovariance2> Relocaliser::search(const Query& query) {
   return place;
 }
 
+Constellation confirmedLandmarks(const LandmarkFilter& filter) {
+  Constellation map;
+  for (const LandmarkEstimate& estimate : filter.landmarks().landmarks) {
+    if (estimate.existence_log_odds < filter.confirm_log_odds()) continue;
+    map.push_back({estimate.type, estimate.mean_m, estimate.covariance_m2,
+                   filter.registry().find(estimate.id)->descriptors, estimate.orientation_rad,
+                   estimate.orientation_variance_rad2});
+  }
+  return map;
+}
+
 }  // namespace ram_slam

@@ -113,7 +113,7 @@ bool Tracker::isElsewhere(const FeatureList& list, const Pose2& moved, const Tra
   if (!relocaliser.isDue()) return false;
   const Pose2 here = filter_->estimate().pose;
   const auto place = relocaliser.search(
-      {mapConstellation(*probation.before.filter), map_views_, here, local_from_base_});
+      {confirmedLandmarks(*probation.before.filter), map_views_, here, local_from_base_});
   if (!place) return false;
   const MotionGate drift{parameters_.monitor.max_drift_m, parameters_.monitor.max_drift_rad};
   if (drift.isReachedBy(here.inverse() * place->pose)) return true;
@@ -159,7 +159,7 @@ void Tracker::search(const FeatureList& list,
     std::optional<Pose2> expected;
     if (lost.may_be_false_alarm) expected = lost.map_from_base;
     const auto place = lost.relocaliser.search(
-        {mapConstellation(*filter_), map_views_, expected, local_from_base_});
+        {confirmedLandmarks(*filter_), map_views_, expected, local_from_base_});
     if (place) {
       transition(TrackingEvent::kPlaceFound, *place);
       return;
@@ -308,11 +308,6 @@ Lost Tracker::foundElsewhere(Relocaliser relocaliser) {
   return lost;
 }
 
-bool Tracker::isDoubted() const {
-  const auto* probation = std::get_if<Probation>(&state_);
-  return probation != nullptr && probation->relocaliser;
-}
-
 FilterCopy Tracker::bent(const FilterCopy& copy, const Trajectory& smoothed) {
   std::unique_ptr<LandmarkFilter> filter = copy.filter->clone();
   filter->followTrajectory(smoothed);
@@ -328,17 +323,6 @@ const FilterCopy* Tracker::oldestCopy() const {
   if (const auto* probation = std::get_if<Probation>(&state_)) return &probation->before;
   const auto* tracked = std::get_if<Tracked>(&state_);
   return tracked == nullptr || tracked->copies.empty() ? nullptr : &tracked->copies.front();
-}
-
-Constellation Tracker::mapConstellation(const LandmarkFilter& filter) {
-  Constellation map;
-  for (const LandmarkEstimate& estimate : filter.landmarks().landmarks) {
-    if (estimate.existence_log_odds < filter.confirm_log_odds()) continue;
-    map.push_back({estimate.type, estimate.mean_m, estimate.covariance_m2,
-                   filter.registry().find(estimate.id)->descriptors, estimate.orientation_rad,
-                   estimate.orientation_variance_rad2});
-  }
-  return map;
 }
 
 LostReason Tracker::reason() const {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "ram_parameters/parameter_table.hpp"
+#include "ram_slam/fast_slam/landmark_filter.hpp"
 #include "ram_slam/landmarks/constellation.hpp"
 #include "ram_slam/landmarks/local_constellation.hpp"
 #include "ram_slam/tracking/map_views.hpp"
@@ -62,5 +63,8 @@ private:
   double next_try_m_;
   std::optional<Pose2> map_from_local_;  ///< as the last try found it
 };
+
+/// The confirmed landmarks of a filter, among which a robot can be searched for.
+Constellation confirmedLandmarks(const LandmarkFilter& filter);
 
 }  // namespace ram_slam

@@ -110,13 +110,15 @@ private:
   /// Sets the map back to before the doubt. \param relocaliser  goes on searching
   Lost foundElsewhere(Relocaliser relocaliser);
   /// Whether the robot is searched for elsewhere.
-  bool isDoubted() const;
+  bool isDoubted() const {
+    const auto* probation = std::get_if<Probation>(&state_);
+    return probation != nullptr && probation->relocaliser;
+  }
   /// The same copy with its map bent along a smoothed trajectory.
   static FilterCopy bent(const FilterCopy& copy, const Trajectory& smoothed);
   FilterCopy copyOfNow() const;
   /// From before anything that may be wrong; null if there is none.
   const FilterCopy* oldestCopy() const;
-  static Constellation mapConstellation(const LandmarkFilter& filter);
 
   LandmarkFilterFactory make_;
   RecoveryParameters parameters_;
