@@ -74,7 +74,8 @@ class NodesStartAndRefuse(unittest.TestCase):
         self.assertIsNone(exit_code, output)
 
     def test_every_shipped_file_belongs_to_a_node(self):
-        self.assertEqual({path.stem for path in CONFIG.glob("*.yaml")}, set(NODES))
+        others = {"reuse"}  # of scripts/reuse.py
+        self.assertEqual({path.stem for path in CONFIG.glob("*.yaml")} - others, set(NODES))
 
 
 def add_tests(node):

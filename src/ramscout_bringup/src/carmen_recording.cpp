@@ -34,10 +34,12 @@ std::vector<std::string> CarmenRecording::notes() const {
         << std::round(*log_.assumed_fov_rad * 180.0 / M_PI) << " deg; give them with --fov";
     notes.push_back(fov.str());
   }
+  // Of what rounding in the log leaves nothing is left.
+  const auto rounded = [](double value) { return std::round(1e6 * value) / 1e6 + 0.0; };
   std::ostringstream mount;
-  mount << "laser on the base: x " << log_.base_from_laser.x_m << " m, y "
-        << log_.base_from_laser.y_m << " m, yaw " << log_.base_from_laser.yaw_rad << " rad"
-        << (log_.mount_is_known ? "" : " (assumed: the log does not contain it)");
+  mount << "laser on the base: x " << rounded(log_.base_from_laser.x_m) << " m, y "
+        << rounded(log_.base_from_laser.y_m) << " m, yaw " << rounded(log_.base_from_laser.yaw_rad)
+        << " rad" << (log_.mount_is_known ? "" : " (assumed: the log does not contain it)");
   notes.push_back(mount.str());
   if (log_.no_return_m) {
     notes.push_back("readings of " + std::to_string(*log_.no_return_m) +

@@ -5,6 +5,8 @@
 
 #include "ram_slam/io/atomic_file.hpp"
 #include "ram_slam/occupancy/map_file.hpp"
+#include "ram_slam/world_map/map_folder.hpp"
+#include "ram_slam/world_map/world_map_file.hpp"
 #include "ramscout_bringup/picture.hpp"
 #include "ramscout_bringup/report.hpp"
 
@@ -42,6 +44,7 @@ void writeResults(const Results& results, const std::string& folder) {
     write("trajectory_filter.tum", toTum(results.trajectory_filter));
   if (!results.ground_truth.empty()) write("ground_truth.tum", toTum(results.ground_truth));
   if (!results.pose_graph_g2o.empty()) write("pose_graph.g2o", results.pose_graph_g2o);
+  if (!results.world.empty()) write(ram_slam::kWorldFileName, ram_slam::toBytes(results.world));
   write("landmarks.yaml", toYaml(results.landmarks));
   write("summary.json", results.summary.dump(2) + "\n");
   write("report.html", toHtml(results));

@@ -9,6 +9,7 @@
 
 #include "ram_slam/parameter_files.hpp"
 #include "ram_slam/pose_graph/g2o.hpp"
+#include "ram_slam/world_map/landmark_layer.hpp"
 #include "ramscout_bringup/named_file.hpp"
 #include "ramscout_feature_detector/corner_matcher.hpp"
 #include "ramscout_feature_detector/parameter_files.hpp"
@@ -239,11 +240,29 @@ Results SlamPipeline::finish() {
   mapping_.correct(results.trajectory);
   mapping_.draw();
   results.map = mapping_.mapper().grid();
+  std::string world_error;
+  try {
+    results.world = worldOf(results);
+  } catch (const std::exception& error) {
+    world_error = error.what();
+  }
   results.odometry = report_.wheels();
   results.measurements = report_.measurements();
   results.summary = report_.summary({odometry_, estimator_, smoothing_, mapping_, results,
                                      parameters_.use_laser_odometry, smooths()});
+  if (!world_error.empty()) results.summary["map_to_continue"] = "none: " + world_error;
   return results;
+}
+
+ram_slam::WorldMap SlamPipeline::worldOf(const Results& results) const {
+  ram_slam::WorldMap world;
+  const std::int64_t stamp_ns = results.trajectory_online.back().stamp_ns;
+  world.put(
+      ram_slam::LocalOccupancy{stamp_ns, parameters_.occupancy_mapper.map_frame, {}, results.map});
+  world.put(ram_slam::toLandmarkLayer(estimator_.estimator().landmarks()));
+  world.put(results.trajectory);
+  world.put(mapping_.scans());
+  return world;
 }
 
 void SlamPipeline::smoothFinally(Results& results) {

@@ -106,6 +106,21 @@ TEST(SlamPipeline, TheSummaryStatesWhatWasDriven) {
   EXPECT_EQ(summary["times_carried"], 0);
 }
 
+TEST(SlamPipeline, LeavesTheMapToContinueIt) {
+  const ram_slam::WorldMap& world = usualRun().world;
+  EXPECT_EQ(world.trajectory().size(), usualRun().trajectory.size());
+  EXPECT_EQ(world.landmarks().landmarks.size(), usualRun().landmarks.size());
+  EXPECT_EQ(world.occupancies().at("map")->grid.cells, usualRun().map.cells);
+  // In the frame of the grid, and where the final trajectory has them.
+  ASSERT_FALSE(world.scans().empty());
+  for (const ram_slam::PlacedScan& placed : world.scans()) {
+    const auto pose = ram_slam::poseAt(usualRun().trajectory, placed.scan.stamp_ns);
+    ASSERT_TRUE(pose);
+    EXPECT_NEAR(placed.map_from_base().x_m, pose->x_m, 1e-9);
+    EXPECT_NEAR(placed.map_from_base().y_m, pose->y_m, 1e-9);
+  }
+}
+
 TEST(SlamPipeline, MeasuresRatesMatchesFeaturesAndUncertaintyOverTheWholeDrive) {
   std::vector<std::string> names;
   for (const Measurement& measurement : usualRun().measurements) {

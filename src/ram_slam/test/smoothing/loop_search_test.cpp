@@ -68,7 +68,8 @@ TEST(SearchWindow, GrowsWithThePathUpToItsLimits) {
   LoopSearchParameters parameters;
   EXPECT_DOUBLE_EQ(searchWindow(0.0, parameters).distance_m, parameters.dense.reserve_m);
   EXPECT_DOUBLE_EQ(searchWindow(0.0, parameters).angle_rad, parameters.dense.reserve_rad);
-  EXPECT_DOUBLE_EQ(searchWindow(10.0, parameters).distance_m, 0.5 + 0.03 * 10.0);
+  EXPECT_DOUBLE_EQ(searchWindow(10.0, parameters).distance_m,
+                   parameters.dense.reserve_m + 10.0 * parameters.drift_m_per_m);
   EXPECT_DOUBLE_EQ(searchWindow(10.0, parameters).angle_rad, 0.1 + 0.01 * 10.0);
   EXPECT_DOUBLE_EQ(searchWindow(1e6, parameters).distance_m, parameters.max_distance_m);
   EXPECT_DOUBLE_EQ(searchWindow(1e6, parameters).angle_rad, parameters.max_angle_rad);

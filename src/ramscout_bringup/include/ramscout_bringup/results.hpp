@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ram_slam/occupancy/occupancy_grid.hpp"
+#include "ram_slam/world_map/world_map.hpp"
 #include "ramscout_bringup/changed_parameters.hpp"
 #include "ramscout_bringup/measurement.hpp"
 #include "ramscout_bringup/trajectory_file.hpp"
@@ -49,6 +50,7 @@ struct Results {
   Trajectory ground_truth;     ///< empty if unknown; in a frame of its own
   Trajectory odometry;         ///< odom_from_base as the wheels have it, thinned; may be empty
   std::string pose_graph_g2o;  ///< empty if no graph was made
+  ram_slam::WorldMap world;    ///< the map to continue or to localise in; may be empty
   nlohmann::ordered_json summary;
 
   // Only for the report.

@@ -95,6 +95,9 @@ private:
   void updateEstimator(const ram_slam::MountedScan& scan, const ram_slam::MotionStep& motion);
   bool smooths() const { return parameters_.use_laser_odometry && parameters_.use_map_smoother; }
   void smoothFinally(Results& results);
+  /// The map as a robot can continue it or localise in it.
+  /// \throws as WorldMap::put(), if the map is larger than one can hold
+  ram_slam::WorldMap worldOf(const Results& results) const;
 
   SlamParameters parameters_;
   ram_slam::InputGuard<ram_slam::StampedPose2> wheels_guard_;

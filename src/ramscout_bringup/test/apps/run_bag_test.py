@@ -12,7 +12,8 @@ import rosunit
 from synthetic_log import CONFIG, FIRST_STAMP_S, LINES, PERIOD_S, STEPS, ProgramTest, true_poses
 
 FILES = {"map.pgm", "map.yaml", "map.png", "trajectory.tum", "trajectory_online.tum", "trajectory_filter.tum",
-         "pose_graph.g2o", "landmarks.yaml", "summary.json", "report.html", "timing.json"}
+         "pose_graph.g2o", "map.world", "landmarks.yaml", "summary.json", "report.html",
+         "timing.json"}
 
 
 class Page(html.parser.HTMLParser):
@@ -81,6 +82,12 @@ class RunBagTest(ProgramTest):
         self.assertIn("scans: %d" % STEPS, summary["notes"])
         self.assertIn("laser on the base: x 0.1 m", " ".join(summary["notes"]))
         self.assertIn("181 beams are assumed over 180 deg", " ".join(summary["notes"]))
+
+    def test_a_robot_can_continue_the_map_and_localise_in_it(self):
+        self.mapped()
+        for mode in ("continue", "localise"):
+            inspected = self.run_program("inspect_map", "--mode", mode, "--folder", self.path(""), "out")
+            self.assertEqual(inspected.returncode, 0, inspected.stderr)
 
     def test_timing_states_the_length_of_the_recording(self):
         self.mapped("--duration", "2")
