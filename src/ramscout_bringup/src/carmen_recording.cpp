@@ -34,7 +34,7 @@ std::vector<std::string> CarmenRecording::notes() const {
         << std::round(*log_.assumed_fov_rad * 180.0 / M_PI) << " deg; give them with --fov";
     notes.push_back(fov.str());
   }
-  // Of what rounding in the log leaves nothing is left.
+  // An offset of 1e-9 m comes from rounding in the log.
   const auto rounded = [](double value) { return std::round(1e6 * value) / 1e6 + 0.0; };
   std::ostringstream mount;
   mount << "laser on the base: x " << rounded(log_.base_from_laser.x_m) << " m, y "

@@ -6,22 +6,13 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "room_results.hpp"
+
 namespace ramscout_bringup {
 namespace {
 
-constexpr std::int64_t kSecond = 1000000000;
-
-/// A room of 10 x 6 m with its lower left corner at the origin, and a path along its middle.
 Results room() {
-  Results results;
-  results.map.width = 200;
-  results.map.height = 120;
-  results.map.cells.assign(200 * 120, ram_slam::kFreeCell);
-  for (int x = 0; x < 200; ++x)
-    results.map.cells[results.map.index(x, 0)] = ram_slam::kOccupiedCell;
-  for (int i = 0; i <= 8; ++i)
-    results.trajectory.push_back({kSecond * (i + 1), {1.0 + i, 3.0, 0.0}});
-  return results;
+  return roomResults(1);
 }
 
 cv::Mat decode(const std::string& png) {

@@ -8,23 +8,16 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "room_results.hpp"
+
 namespace ramscout_bringup {
 namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-
-/// A room of 10 x 6 m with a wall below, a path along its middle, a landmark and a loop closure.
+/// The room with a landmark and a loop closure.
 Results room() {
-  Results results;
-  results.map.width = 200;
-  results.map.height = 120;
-  results.map.cells.assign(200 * 120, ram_slam::kFreeCell);
-  for (int x = 0; x < 200; ++x)
-    results.map.cells[results.map.index(x, 0)] = ram_slam::kOccupiedCell;
-  for (int i = 0; i <= 8; ++i)
-    results.trajectory.push_back({kSecond * (i + 100), {1.0 + i, 3.0, 0.0}});
+  Results results = roomResults(100);
   results.trajectory_online = results.trajectory;
   for (auto& pose : results.trajectory_online) pose.pose.y_m += 0.25;
   MapLandmark landmark;
